@@ -83,8 +83,9 @@ class Log:
         What the input does between samples: ``"straight"`` (first-order hold), ``"smooth"``, a
         cubic where it bends, ``"held"`` until the next sample where it jumps, ``"zoh"`` (zero-order
         hold) held at every sample, or None to let a fit decide, which elsewhere means straight.
-    input_read_s
-        When a gauge slower than the log read the input, shape (R,); None if at every sample.
+    input_read_s, input_read_range
+        When a gauge slower than the log read the input, shape (R,), and the least and the most
+        that it read; None if it was read at every sample.
     is_bridged
         Whether it is one segment, in which the input goes straight on through every stall.
 
@@ -107,6 +108,7 @@ class Log:
     metadata: Mapping[str, str] = field(default_factory=dict)
     intersample: Intersample | None = None
     input_read_s: Array | None = None
+    input_read_range: tuple[float, float] | None = None
     is_bridged: bool = False
 
     def __post_init__(self) -> None:

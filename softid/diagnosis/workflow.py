@@ -35,6 +35,7 @@ from softid.diagnosis.plainer_model import plainer_model_issues
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.clipped_input import with_clipped_input
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
+from softid.diagnosis.report.held_excitation import held_experiments
 from softid.diagnosis.report.issues import (
     averaging_issues,
     input_noise_issues,
@@ -74,7 +75,7 @@ from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
 from softid.identification.stalls import across_stalls
 from softid.identification.unit_slips import unit_slips
-from softid.log import Log
+from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import both, in_step, is_copy, matrices_on_one_thread
 from softid.parameters import ParameterSet
@@ -202,7 +203,13 @@ def diagnose(
         extended=answer.extended and _with_input_treatment(answer.extended),
         issues=(*answer.issues, *issues),
     )
-    return write_summary(with_sample_remainder(answer) if count > 1 else answer)
+    return _in_words(answer, recorded, count)
+
+
+def _in_words(answer: Diagnosis, recorded: LogSet, count: int) -> Diagnosis:
+    """The diagnosis with its paragraph, what is left being told per sample of the logs."""
+    whole = with_sample_remainder(answer) if count > 1 else answer
+    return write_summary(whole, held_experiments(recorded))
 
 
 def _with_input_treatment(fit: FitResult) -> FitResult:

@@ -85,11 +85,19 @@ def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:
     """Smallest and largest recorded value of the input and of each output over the logs."""
     ranges = {}
     for name in (logs.input, *logs.outputs):
-        every = [_finite(log.as_recorded.channels[name].values) for log in logs]
+        every = [_finite(_recorded(log, name)) for log in logs]
         known = [values for values in every if values.size]
         low, high = min(values.min() for values in known), max(values.max() for values in known)
         ranges[name] = float(low), float(high)
     return ranges
+
+
+def _recorded(log: Log, channel: str) -> Array:
+    """A channel as it was recorded: an input between its readings passes these by nothing."""
+    values = log.as_recorded.channels[channel].values
+    if channel != log.input or log.input_read_range is None:
+        return values
+    return np.clip(values, *log.input_read_range)
 
 
 def _finite(values: Array) -> Array:
@@ -105,7 +113,7 @@ def extrapolation(
         return None
     low, high = ranges[channel]
     margin = RANGE_MARGIN * (high - low)
-    values = log.as_recorded.channels[channel].values
+    values = _recorded(log, channel)
     outside = (values < low - margin) | (values > high + margin)
     if not outside.any():
         return None

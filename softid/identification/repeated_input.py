@@ -96,6 +96,7 @@ def _bridged(log: Log, readings: Callable[[slice], tuple[Array, Array]], told: s
         channels=channels,
         issues=(*log.issues, issue),
         input_read_s=np.concatenate(every_s),
+        input_read_range=(float(channel.values.min()), float(channel.values.max())),
     )
 
 

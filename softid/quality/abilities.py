@@ -279,6 +279,13 @@ def _inertia(e: Evidence) -> Ability:
             f"the output, which {ending}: an upper bound at least"
         )
         return Ability(name, serves, "partly", reason, None)
+    if sharp:
+        count = r.output_t63_s / e.sampling.period_s
+        reason = (
+            f"the input rises in {r.input_t63_s:.3g} s, quickly enough, but the "
+            f"{r.output_t63_s:.3g} s of the output hold {count:.0f} samples only"
+        )
+        return Ability(name, serves, "no", reason, "a higher sampling rate")
     reason = (
         f"the input takes {r.input_t63_s:.3g} s to rise and the output {r.output_t63_s:.3g} s: too "
         "slow to feel the mass"

@@ -36,6 +36,7 @@ from softid.quality.sampling import describe_sampling
 from softid.quality.second_inputs import independent_inputs, other_inputs, second_input_issues
 from softid.quality.stuck import find_frozen, find_saturation, may_be_stuck
 from softid.quality.trace import Runs, Trace
+from softid.quality.wrapped_angles import wrapped_angles
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -133,7 +134,7 @@ def inspect(log: Log) -> Inspection:
             holds=holds,
             other_inputs=other_inputs(log, judged),
             second_inputs=independent_inputs(log),
-            from_reader=(*log.issues, *leading_outputs(log), *absolute_pressures(log)),
+            from_reader=(*log.issues, *_misread(log)),
         ),
     )
 
@@ -165,8 +166,8 @@ def dropout_mask(log: Log) -> BoolArray:
 def misleading_channels(log: Log) -> tuple[Issue, ...]:
     """What a fit takes for motion that the input makes, and is not.
 
-    Outputs that saturate, repeat one value, or move before the input does, a second input, and a
-    pressure that seems to be absolute.
+    Outputs that saturate, repeat one value, begin again at the end of a turn, or move before the
+    input does, a second input, and a pressure that seems to be absolute.
 
     Parameters
     ----------
@@ -178,9 +179,14 @@ def misleading_channels(log: Log) -> tuple[Issue, ...]:
         channel = log.channels[name]
         if may_be_stuck(channel.values):
             found += list_stuck(_report(log, channel, "output", None, ()))
-    found += [*leading_outputs(log), *second_input_issues(independent_inputs(log), log.input)]
-    found += absolute_pressures(log)
+    found += second_input_issues(independent_inputs(log), log.input)
+    found += _misread(log)
     return tuple(replace(issue, message=f"{log.name}: {issue.message}") for issue in found)
+
+
+def _misread(log: Log) -> tuple[Issue, ...]:
+    """What is told of channels that may not be what they are taken for."""
+    return (*wrapped_angles(log), *leading_outputs(log), *absolute_pressures(log))
 
 
 def _without_faults(log: Log, channels: tuple[ChannelReport, ...]) -> Log:

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from softid.errors import InputError, Issue
 from softid.readers.merging import with_input_between, with_rows_joined
-from softid.readers.overflow import with_angles_turned_on
 from softid.readers.samples import Samples
+from softid.readers.turns import with_angles_turned_on
 
 
 def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
@@ -60,7 +60,7 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
     _require_common_times(samples, input, outputs)
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)
-    samples = with_angles_turned_on(_drop_repeated(samples))
+    samples = with_angles_turned_on(_drop_repeated(samples), outputs)
     if samples.time_s.size < 2:
         raise InputError(
             _too_few(samples, input, rows),

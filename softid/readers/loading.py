@@ -116,6 +116,7 @@ def load(
         issues=(*table.head.issues, *found.issues, *fallback, *samples.issues),
         metadata={**table.head.metadata, **found.times.metadata, **said.metadata},
         input_read_s=samples.input_read_s,
+        input_read_range=samples.input_read_range,
     )
 
 

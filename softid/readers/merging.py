@@ -100,7 +100,13 @@ def with_input_between(samples: Samples, *, input: str, outputs: Sequence[str]) 
         "readings, and as straight where it jumps",
     )
     channels = {**samples.channels, input: replace(samples.channels[input], values=filled)}
-    return replace(samples, channels=channels, issues=(*samples.issues, issue), input_read_s=read_s)
+    return replace(
+        samples,
+        channels=channels,
+        issues=(*samples.issues, issue),
+        input_read_s=read_s,
+        input_read_range=(float(read.min()), float(read.max())),
+    )
 
 
 def _with(values: Array, at: IntArray, new: Array) -> Array:

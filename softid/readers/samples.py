@@ -31,8 +31,9 @@ class Samples:
         Channel name → channel.
     issues
         What was done so far.
-    input_read_s
-        When the input was read, shape (R,), where it is also known at other samples; else None.
+    input_read_s, input_read_range
+        When the input was read, shape (R,), and the least and the most that was read, where it is
+        also known at other samples; else None.
     """
 
     where: str
@@ -42,6 +43,7 @@ class Samples:
     channels: Mapping[str, Channel]
     issues: tuple[Issue, ...] = ()
     input_read_s: Array | None = None
+    input_read_range: tuple[float, float] | None = None
 
     def keeping(self, kept: npt.NDArray[np.bool_], *reasons: Issue) -> Samples:
         """Only some of the samples, and why."""

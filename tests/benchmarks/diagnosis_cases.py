@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW
+from softid.diagnosis.report.other_explanations import LAW_BESIDE, LIKE_UNLISTED_LAW
 from softid.diagnosis.report.summary import WHAT_IT_IS
 from softid.diagnosis_results import Diagnosis, Gain
 from softid.effects import EFFECTS, confusable_with
@@ -65,7 +65,7 @@ VARIED = ("rich", "levels", "lever", "triangles", "multisine")
 TIES = (("delay", "sine"), ("pneumatic_lag", "sine"))
 """Effects whose neighbours a protocol cannot split from them."""
 
-TOLD = (*WHAT_IT_IS, LIKE_UNLISTED_LAW)
+TOLD = (*WHAT_IT_IS, LIKE_UNLISTED_LAW, LAW_BESIDE)
 """Codes of what a misfit is told to be beside causes."""
 
 

@@ -10,8 +10,9 @@ import pytest
 
 import softid
 from softid.excitation.texture import SampleHold
+from softid.identification.issues import RANGE_MARGIN, extrapolation, fitted_range
 from softid.identification.repeated_input import readings_of, without_repeats
-from softid.log import Log
+from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
 
@@ -161,3 +162,23 @@ def test_rows_that_are_lost_as_a_whole_are_bridged(step: float, told: str) -> No
     assert told in issue.message
     alone = {**log.channels, "angle": channels["angle"]}
     assert without_repeats(replace(log, channels=alone)).issues == ()
+
+
+def test_the_range_is_that_of_the_readings() -> None:
+    """The course swings up to 2 kPa beyond them beside a corner between two readings, which nobody
+    recorded: neither the fitted range nor what is told of a log scored says so."""
+    lowest, highest = 20.0, 140.0
+    log = recorded()
+    pressure, angle = log.channels["pressure"], log.channels["angle"]
+    ramp = np.clip(pressure.values, lowest, highest)
+    log = replace(log, channels={"pressure": replace(pressure, values=ramp), "angle": angle})
+    bridged = without_repeats(log)
+    assert bridged.channels["pressure"].values.max() > highest + 1.0
+    assert fitted_range(LogSet((bridged,)))["pressure"] == (lowest, highest)
+    margin = RANGE_MARGIN * (highest - lowest)
+    narrow = {"pressure": (lowest + 2.0 * margin, highest)}
+    issue = extrapolation(bridged, "pressure", narrow)
+    assert issue is not None
+    assert "pressure reaches 20 kPa" in issue.message
+    nearly_all = {"pressure": (lowest, highest - 0.9 * margin)}
+    assert extrapolation(bridged, "pressure", nearly_all) is None

@@ -48,6 +48,29 @@ def test_one_step() -> None:
     assert told["pneumatic lag"] == "no"
 
 
+@pytest.mark.parametrize(
+    ("rate_hz", "rise_s", "possible", "reason"),
+    [
+        (200.0, 0.0, "partly", "an upper bound at least"),
+        (50.0, 0.0, "no", "quickly enough, but the 0.3 s of the output hold 15 samples only"),
+        (200.0, 0.4, "no", "too slow to feel the mass"),
+    ],
+)
+def test_an_inertia_needs_quick_steps_and_quick_samples(
+    rate_hz: float, rise_s: float, possible: str, reason: str
+) -> None:
+    """A lag of 0.3 s: at 50 Hz it is the sampling that is too slow, whatever the valve does."""
+    time_s = np.arange(0.0, 20.0, 1.0 / rate_hz)
+    corner_s = np.array([0.0, 5.0, 5.0 + rise_s, 10.0, 10.0 + rise_s, 15.0, 15.0 + rise_s, 20.0])
+    levels = [0.0, 0.0, 80.0, 80.0, 20.0, 20.0, 60.0, 60.0]
+    pressure = np.interp(time_s, corner_s + 1e-6 * np.arange(8), levels)
+    ability = answered(time_s, pressure).ability("inertia")
+    assert ability.possible == possible
+    assert reason in ability.reason
+    if "samples only" in reason:
+        assert ability.wanted == "a higher sampling rate"
+
+
 def test_one_sine() -> None:
     """One frequency leaves lag, damping and inertia mixed; the curve is passed, not settled."""
     time_s = np.arange(4000) * 0.01

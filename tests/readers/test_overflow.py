@@ -1,4 +1,4 @@
-"""Counters and angles that begin again at the end of their range."""
+"""Counters that begin again at the end of their range."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from softid.errors import InputError
 from softid.readers import load
-from softid.readers.overflow import SMOOTH, TURN_RAD, counted_on, turned_on
+from softid.readers.overflow import counted_on
 
 WriteFile = Callable[..., Path]
 STEPS_MS = np.array([20, 21, 19, 20, 40, 20, 20, 20, 20, 20])
@@ -61,52 +61,3 @@ def test_the_time_of_a_file_goes_on_and_says_so(write_log: WriteFile) -> None:
     anew = [f"{20 * (k % 3)};{k};{k}" for k in range(6)]
     with pytest.raises(InputError, match="runs backward"):
         load(write_log("\n".join(("t_ms;pressure_kpa;angle_deg", *anew))))
-
-
-def swing(turns: float, about_rad: float = np.pi) -> np.ndarray:
-    """An angle that swings about the end of a range, 500 samples."""
-    swung: np.ndarray = about_rad + turns * TURN_RAD * np.sin(np.linspace(0.0, 25.0, 500))
-    return swung
-
-
-@pytest.mark.parametrize("lowest", [-np.pi, 0.0], ids=["-180 to 180", "0 to 360"])
-def test_an_angle_turns_on(lowest: float) -> None:
-    """Known truth but for whole turns, with a sample missing at an end."""
-    truth = swing(0.3, lowest) + 0.5
-    told = (truth - lowest) % TURN_RAD + lowest
-    told[np.flatnonzero(np.abs(np.diff(told)) > 3.0)[2]] = np.nan
-    found = turned_on(told)
-    assert found.at.size > 5
-    np.testing.assert_allclose(
-        np.diff(found.values - truth)[~np.isnan(np.diff(told))], 0, atol=1e-9
-    )
-
-
-def test_no_other_jump_is_a_turn() -> None:
-    """Readings of zero while a marker was lost, a jump of 200°, and a drive beyond one turn."""
-    lost = swing(0.2) + 0.5
-    lost[100:103] = 0.0
-    jumped = np.where(np.arange(500) < 250, -1.7, 1.7) + 0.01 * swing(0.3)
-    beyond = np.where(np.arange(500) % 100 < 50, 0.0, 1.02 * TURN_RAD)
-    square = np.where(np.arange(500) % 100 < 50, 0.0, 0.95 * TURN_RAD - 2.0 * SMOOTH * TURN_RAD)
-    for told in (lost, jumped, beyond, square):
-        assert turned_on(told).values is told
-
-
-def test_an_angle_that_jumps_otherwise_too_stays() -> None:
-    """It passes the end of a turn, and reads zero, half a turn away, while a marker was lost."""
-    told = (swing(0.3) + 0.5 + np.pi) % TURN_RAD - np.pi
-    assert turned_on(told).at.size > 5
-    told[100:103] = 0.0
-    assert turned_on(told).values is told
-
-
-def test_the_angle_of_a_file_turns_on_and_says_so(write_log: WriteFile) -> None:
-    """In the unit of the file; the row is that of the first sample behind the end."""
-    truth = 150.0 + 3.0 * np.arange(20)
-    told = (truth + 180.0) % 360.0 - 180.0
-    rows = [f"{0.02 * k:.2f};{k};{angle:.1f}" for k, angle in enumerate(told)]
-    log = load(write_log("\n".join(("time_s;pressure_kpa;angle_deg", *rows))))
-    np.testing.assert_allclose(np.degrees(log.channels["angle"].values), truth, atol=1e-9)
-    (issue,) = [issue for issue in log.issues if issue.code == "wrapped-angle"]
-    assert "a turn, 360 deg, once, the first in row 12" in issue.message

@@ -6,7 +6,9 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
+from softid.diagnosis.report.phrases import VARIATIONS, listed, lowered, title_of, titles_of
+from softid.diagnosis.report.rest_phrases import variables_left
+from softid.diagnosis.report.splits import split_in_words, why_tied_here
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
@@ -21,12 +23,15 @@ from softid.diagnosis.verdict.equivalence import (
 )
 from softid.diagnosis.verdict.law_rivals import GIVES_WAY
 from softid.diagnosis.verdict.laws_alike import LAWS_ALIKE, LOWER_END
-from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.models import MODELS
 from softid.results import FitResult
+
+MOST_TIED = 4
+"""Most causes of a tie that a sentence names, the last among them, which may stand for others; the
+record has all."""
 
 BEST_OF_UNEQUAL = "The best, though it leads by less than all of them leave unexplained"
 """Beginning of a tie whose causes do not explain the logs equally well."""
@@ -92,7 +97,13 @@ def with_presliding(
     )
 
 
-def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | None = None) -> str:
+def why_tied(
+    alternative: Alternative,
+    *,
+    linear: bool,
+    extended: FitResult | None = None,
+    held: frozenset[str] = frozenset(),
+) -> str:
     """Why causes are not told apart, and what would do it.
 
     Parameters
@@ -103,28 +114,32 @@ def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | No
         Whether the model is linear but for these.
     extended
         The model with the causes: where their times may be the actuator's, its own are told.
+    held
+        Experiments that the logs hold, from `held_experiments`.
     """
     known = law_that_ties(alternative, linear=linear)
     if known is not None:
         own = own_times(known, extended) if extended is not None else ()
         here = f", here {' and '.join(own)}" if own else ""
         return f"{known.why}{here}{SPLITS}{known.splits}."
-    return why_unsplit(alternative.keys, alike=are_alike(alternative))
+    return why_tied_here(alternative.keys, held, alike=are_alike(alternative))
 
 
-def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
+def with_reasons(found: Diagnosis, held: frozenset[str] = frozenset()) -> tuple[Alternative, ...]:
     """The ties of a diagnosis with why they are; words that one has already stay.
 
     Parameters
     ----------
     found
         A diagnosis in numbers.
+    held
+        As in `why_tied`.
     """
     laws, linear = (*found.causes, *found.descriptive), is_linear(found.base)
 
     def reason(tie: Alternative) -> str:
         beside = is_linear_beside(laws, tie.effects, linear=linear)
-        return tie.why or why_tied(tie, linear=beside, extended=found.extended)
+        return tie.why or why_tied(tie, linear=beside, extended=found.extended, held=held)
 
     return tuple(replace(tie, why=reason(tie)) for tie in found.alternatives)
 
@@ -151,7 +166,7 @@ def told_as_tied(
         Whether all causes leave no more than that: what explains more beside another misfit need
         not be likelier.
     """
-    named, first = titles_of(alternative.keys, last=" or "), lowered(title)
+    named, first = _first_and_last(alternative.keys), lowered(title)
     known = law_that_ties(alternative, linear=linear)
     *others, last = alternative.keys
     if known in LIKELIER and any(last == tie.keys[-1] for tie in earlier):
@@ -167,6 +182,15 @@ def told_as_tied(
         best = "The best by a little" if are_alike(alternative) else BEST_OF_UNEQUAL
         reason = f"{best}, {first},"
     return f"one of these, {which}: {named}. {reason}"
+
+
+def _first_and_last(keys: Sequence[str]) -> str:
+    """The causes of a tie as a sentence takes them: the first of many, their number, the last."""
+    left_out = len(keys) - MOST_TIED
+    if left_out < 2:
+        return titles_of(keys, last=" or ")
+    named = listed([title_of(key) for key in keys[: MOST_TIED - 1]], last=", ")
+    return f"{named}, {left_out} more or {title_of(keys[-1])}"
 
 
 def own_places(tie: Alternative, extended: FitResult) -> tuple[str, ...]:
@@ -264,6 +288,7 @@ def what_next(
     laws: Sequence[Cause] = (),
     linear: bool = False,
     in_blocks: bool = False,
+    held: frozenset[str] = frozenset(),
 ) -> str | None:
     """What to record next; None when nothing is open.
 
@@ -277,6 +302,8 @@ def what_next(
         Whether the base model is linear.
     in_blocks
         Whether blocks of the fitted logs judge.
+    held
+        Experiments that the logs hold, from `held_experiments`.
     """
     if any(law.doubt is Doubt.ONE_STEP for law in laws):
         return SEVERAL_STEPS
@@ -290,11 +317,9 @@ def what_next(
             return f"record {known.splits}"
         if SPLITS in alternative.why:
             return f"record {alternative.why.partition(SPLITS)[2].removesuffix('.')}"
-        split = splitting_experiment(alternative.keys)
+        split = split_in_words(alternative.keys, held)
         if split is not None:
-            first, *others = alternative.keys
-            rest = titles_of(others, last=" or ")
-            return f"record {split.experiment}, to tell {title_of(first)} from {rest}"
+            return split
     if remainder.misses_held_out and not remainder.structured:
         return _to_judge(laws, in_blocks=in_blocks)
     if verdict is Verdict.UNKNOWN and not remainder.structured:

@@ -17,7 +17,8 @@ from softid.diagnosis.report.phrases import (
     unsteady,
     values_of,
 )
-from softid.diagnosis.verdict.equivalence import classes_of
+from softid.diagnosis.verdict.equivalence import EquivalenceClass, classes_of
+from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Alternative, Cause, Evidence, Remainder, cause_before
 
 COUNTS = {2: "Two", 3: "Three", 4: "Four", 5: "Five", 6: "Six"}
@@ -42,6 +43,8 @@ def _in_its_place(cause: Cause, alternatives: Sequence[Alternative]) -> str:
     if tie is None:
         return ""
     others = [key for key in tie.keys if key.split(".")[0] != cause.effect]
+    if len(others) == 1 and others[0] in UNLISTED:
+        return " (or a law in no catalogue)"  # which its own paragraph describes
     if len(others) == 1:
         return f" (or {title_of(others[0])})"
     return f" (or one of {len(others)} others)"
@@ -92,15 +95,21 @@ def paragraphs_of(
             earlier.append(tie)
             what = f"{tied} would have {values}."
             inseparable = classes_of(tie.effects)
-        apart = [
-            f"No log of pressure and motion tells {told_apart(known.members)}: {lowered(known.why)}"
-            for known in inseparable
-        ]
+        apart = [_inseparable(known, what) for known in inseparable]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
         why = evidence_text(teller, cause, tie, evidence, errors)
-        told.append(" ".join(filter(None, (opening, what, *apart, why, unsteady(cause)))))
+        varies = "" if tie else unsteady(cause, "its size")  # that the law is in doubt is told
+        told.append(" ".join(filter(None, (opening, what, *apart, why, varies))))
     return told
+
+
+def _inseparable(known: EquivalenceClass, told: str) -> str:
+    """That no log splits a class, and why, or its members where these are not named together."""
+    no_log = "No log of pressure and motion tells"
+    if listed(known.members, last=" or ") in told:
+        return f"{no_log} which: {lowered(known.why)}"
+    return f"{no_log} {told_apart(known.members)}."
 
 
 def _errors(teller: ErrorTexts, cause: Cause, descriptive: Sequence[Cause]) -> str:

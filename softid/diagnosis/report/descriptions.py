@@ -40,6 +40,19 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     return " ".join((f"{told} for a name.", *reasons))
 
 
+def outdone(descriptive: Sequence[Cause]) -> str:
+    """That descriptions are no more, where a second element of a cause explains more.
+
+    Parameters
+    ----------
+    descriptive
+        As in `Diagnosis`.
+    """
+    names = listed([lowered(cause.title) for cause in descriptive])
+    verb = "describes" if len(descriptive) == 1 else "describe"
+    return f"Besides, {names} {verb} a part of the rest, but a second element does so better."
+
+
 def _held_out_fall(cause: Cause) -> float:
     """By how much the mean square error on what is held out falls."""
     return cause.holdout_rmse_before**2 - cause.holdout_rmse_after**2

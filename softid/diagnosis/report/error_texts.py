@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from softid.diagnosis.report.phrases import listed, percent_range, with_open_moments
+from softid.diagnosis.report.phrases import listed, percent_range
+from softid.diagnosis.report.rest_phrases import with_open_moments
 from softid.diagnosis.verdict.held_out_error import ASTRAY
 from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult

@@ -8,7 +8,8 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks
-from softid.diagnosis.report.phrases import DOUBTS, OF_INPUT, listed, lowered, percent
+from softid.diagnosis.report.phrases import DOUBTS, listed, lowered, percent
+from softid.diagnosis.report.rest_phrases import OF_INPUT
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN

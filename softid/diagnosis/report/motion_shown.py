@@ -8,6 +8,7 @@ import numpy.typing as npt
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.logs.one_frequency import sine_lag
 from softid.diagnosis.refit.held_out import HeldOutLogs
+from softid.diagnosis.report.held_excitation import held_experiments, moves_quickly
 from softid.diagnosis.report.phrases import lowered, percent
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
@@ -129,8 +130,9 @@ def _falls(base: BaseFit) -> bool:
 
 
 def _nearly_static(base: BaseFit) -> tuple[Issue, ...]:
+    """That a curve is nearly all; of a log that moves quickly it is most, for it rests more."""
     problem = base.candidate.problem
-    if len(problem.outputs) > 1:
+    if len(problem.outputs) > 1 or moves_quickly(held_experiments(problem.logs)):
         return ()
     first = problem.outputs[0]
     share = static_share(problem, base.candidate.squares * base.sigma[first] ** 2)
@@ -141,8 +143,9 @@ def _nearly_static(base: BaseFit) -> tuple[Issue, ...]:
         Issue(
             NEARLY_STATIC,
             "info",
-            f"{first} is nearly static: a curve of {problem.logs[0].input} alone explains {told} "
-            "of what the model explains, so these logs show little of the motion",
+            f"{first} is nearly static here: {problem.logs[0].input} changes slowly, and a curve "
+            f"of it alone explains {told} of what the model explains, so these logs show little of "
+            "the motion",
             "record faster changes of the input, sampled faster, to see the motion",
         ),
     )

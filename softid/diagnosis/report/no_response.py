@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.error_texts import spread_of
-from softid.diagnosis.report.phrases import listed, variables_left
+from softid.diagnosis.report.phrases import listed
+from softid.diagnosis.report.rest_phrases import variables_left
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.verdict.held_out_error import ASTRAY
 from softid.diagnosis_results import Diagnosis, Gain, Verdict

@@ -17,6 +17,7 @@ from softid.diagnosis.report.changes import (
     spell_issues,
 )
 from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
+from softid.diagnosis.report.held_excitation import held_experiments, is_held
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
@@ -37,6 +38,9 @@ from softid.errors import Issue
 UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
 """Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""
 
+LAW_BESIDE = "unlisted-law-beside"
+"""Code of the remark that one accounts for what causes or descriptions leave."""
+
 ONE_STEP = "one-step"
 """Code of the remark that a single step leaves the parameters open that what is held out needs."""
 
@@ -53,7 +57,7 @@ EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
 EVENT_BESIDE = "event-beside"
 """Code of the remark that what causes leave begins at one moment."""
 
-OF_REST = (LIKE_UNLISTED_LAW, EVENT_BESIDE)
+OF_REST = (LAW_BESIDE, EVENT_BESIDE)
 """Codes of the remarks that say what it is that causes leave."""
 
 
@@ -102,7 +106,7 @@ class OtherExplanations:
         found = self._beyond(base)
         if found is None or 1.0 - found.share > FAR_MORE * max(1.0 - taken, LEAST_LEFT):
             return ()
-        return (unlisted_issue(found),)
+        return (unlisted_issue(found, held=held_experiments(base.candidate.problem.logs)),)
 
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
         """Whether a law in no catalogue leaves nothing to look for beside a cause.
@@ -228,7 +232,13 @@ def with_law_beside(
         found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)
     if found is None:
         return answer
-    issue = unlisted_issue(found, of_rest=of_rest)
+    tied = {name for tie in answer.alternatives for name in tie.effects}
+    issue = unlisted_issue(
+        found,
+        of_rest=of_rest,
+        is_tied=found.laws[0].name in tied,
+        held=held_experiments(base.candidate.problem.logs),
+    )
     return replace(
         answer,
         alternatives=() if issue.code == UNLISTED_LAW else answer.alternatives,
@@ -280,7 +290,7 @@ def _with_fewer_causes(base: BaseFit, final: Candidate, named: Set[str]) -> Iter
 def _is_told(answer: Diagnosis) -> bool:
     """Whether what the misfit is has been told already, or that something happened."""
     told = {issue.code for issue in answer.issues}
-    return bool(told & {UNLISTED_LAW, UNASKED_MODEL, *OF_REST, *EVENTS})
+    return bool(told & {UNLISTED_LAW, UNASKED_MODEL, LIKE_UNLISTED_LAW, *OF_REST, *EVENTS})
 
 
 def one_step_issue() -> Issue:
@@ -294,7 +304,13 @@ def one_step_issue() -> Issue:
     )
 
 
-def unlisted_issue(found: BeyondCatalogue, *, of_rest: bool = False) -> Issue:
+def unlisted_issue(
+    found: BeyondCatalogue,
+    *,
+    of_rest: bool = False,
+    is_tied: bool = False,
+    held: frozenset[str] = frozenset(),
+) -> Issue:
     """Laws in no catalogue that account for a misfit, in words.
 
     Parameters
@@ -303,20 +319,33 @@ def unlisted_issue(found: BeyondCatalogue, *, of_rest: bool = False) -> Issue:
         The laws.
     of_rest
         Whether they were asked about what causes leave, and not about the whole misfit.
+    is_tied
+        Whether the best is told as what may stand in the place of a cause already.
+    held
+        Experiments that the logs hold, from `held_experiments`.
     """
     causes = listed([lowered(effect.title) for effect in found.beside])
     together = f"{causes} together with " if causes and not of_rest else ""
     take = "take" if together else "takes"
-    law = found.laws[0]
-    elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
+    what = f"what is {'left' if of_rest else 'missing'} "
+    what += "speaks for " if is_tied else f"behaves like {together}a law in no catalogue, "
+    whole = UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW
     return Issue(
-        UNLISTED_LAW if found.is_whole and not of_rest else LIKE_UNLISTED_LAW,
+        LAW_BESIDE if of_rest else whole,
         "info",
-        f"what is {'left' if of_rest else 'missing'} behaves like {together}a law in no "
-        f"catalogue, {_laws_of(found)}, which {take} away {percent(found.share)} of the misfit "
-        f"above the noise, and {percent(found.held_out_share)} of it on what is held out",
-        f"{elsewhere}record {law.shown_by}, where it would show",
+        f"{what}{_laws_of(found)}, which {take} away {percent(found.share)} of "
+        f"{'it' if of_rest else 'the misfit'} above the noise, and "
+        f"{percent(found.held_out_share)} on what is held out",
+        _to_see_it(found.laws[0], held),
     )
+
+
+def _to_see_it(law: Effect, held: frozenset[str]) -> str:
+    """Where a law in no catalogue would show: in an experiment, or on the rig if that was done."""
+    elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
+    if is_held(law.shown_by, held):
+        return f"look for it on the rig, as these logs hold {law.shown_by} already: {law.remedy}"
+    return f"{elsewhere}record {law.shown_by}, where it would show"
 
 
 def _laws_of(found: BeyondCatalogue) -> str:

@@ -97,7 +97,10 @@ EVENTS_SHARE = 0.2
 MOST_TOLD = 3
 """Moments that are told; of more their number is."""
 
-CODES = ("spectral-line", "short-events", CODE)
+SPECTRAL_LINE, SHORT_EVENTS = "spectral-line", "short-events"
+"""Codes of the remarks on a line and on events."""
+
+CODES = (SPECTRAL_LINE, SHORT_EVENTS, CODE)
 """Codes of the remarks on a line, on events and on a slow wander."""
 
 
@@ -252,7 +255,7 @@ def disturbance_issues(
     if line is not None:
         found.append(
             Issue(
-                CODES[0],
+                SPECTRAL_LINE,
                 "warning",
                 f"what is left of {channel} holds a steady line at {line.frequency_hz:.3g} Hz, "
                 f"{factor * line.amplitude:.3g} {unit} high, which the input does not have",
@@ -266,7 +269,7 @@ def disturbance_issues(
         more = f" and {len(events) - MOST_TOLD} more" if len(events) > MOST_TOLD else ""
         found.append(
             Issue(
-                CODES[1],
+                SHORT_EVENTS,
                 "warning",
                 f"what is left of {channel} holds {count} while the input rests, at {told} s{more}",
                 "look at these times: a touched cable, a slipped mount or lost samples",

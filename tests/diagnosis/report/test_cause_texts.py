@@ -40,7 +40,7 @@ def test_one_cause_is_one_paragraph() -> None:
 
 
 def test_what_a_cause_is_not_told_from_stands_beside_it() -> None:
-    """One other by its name, several by their number."""
+    """One other by its name, several by their number; what a law in no catalogue is comes later."""
     tied = replace(two_causes(Verdict.AMBIGUOUS), alternatives=(TIE,))
     assert "dry friction and delay of the input (or lag of the pneumatics)." in (
         write_summary(tied).summary
@@ -48,6 +48,11 @@ def test_what_a_cause_is_not_told_from_stands_beside_it() -> None:
     three = replace(TIE, effects=(*TIE.effects, "sensor_lag"), forms=(*TIE.keys, "sensor_lag"))
     many = write_summary(replace(tied, alternatives=(three,))).summary
     assert "dry friction and delay of the input (or one of 2 others)." in many
+    beyond = replace(TIE, effects=("delay", "gauge_lag"), forms=("delay", "gauge_lag"))
+    text = write_summary(replace(tied, alternatives=(beyond,))).summary
+    whole, _, second, *_ = text.split("\n\n")
+    assert "dry friction and delay of the input (or a law in no catalogue)." in whole
+    assert "delay of the input or a pressure gauge that lags behind" in second
 
 
 def test_those_that_come_nearest_are_told_and_the_others_counted() -> None:

@@ -30,4 +30,5 @@ def test_what_is_told_is_not_guessed(code: str, verdict: Verdict) -> None:
     assert GUESS in write_summary(found).summary
     summary = write_summary(told).summary
     assert GUESS not in summary
+    assert "follows from no variable" not in summary
     assert "It is known." in summary

@@ -12,6 +12,7 @@ from handmade_diagnosis import cause, diagnosis
 from softid.diagnosis.report import other_explanations
 from softid.diagnosis.report.other_explanations import (
     EVENT_BESIDE,
+    LAW_BESIDE,
     LIKE_UNLISTED_LAW,
     UNLISTED_LAW,
     OtherExplanations,
@@ -20,6 +21,7 @@ from softid.diagnosis.report.other_explanations import (
     with_law_beside,
 )
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
+from softid.diagnosis.verdict.separations import STEPS
 from softid.diagnosis.verdict.unlisted_laws import (
     NEAR_ONE,
     EarlyReading,
@@ -35,7 +37,8 @@ from softid.errors import Issue
 class Base:
     """What no explanation here looks at."""
 
-    candidate = scale = None
+    scale = None
+    candidate = SimpleNamespace(problem=SimpleNamespace(logs=()))
 
 
 DIFFERS, JUMPS, SPELL, MIXED = (Issue(name, "warning", name) for name in "abcd")
@@ -152,7 +155,7 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
     assert met == asked
     told = answer.issues[len(found.issues) :]
     assert [issue.code for issue in told] == [
-        UNLISTED_LAW if name == "both" else LIKE_UNLISTED_LAW for name in asked
+        UNLISTED_LAW if name == "both" else LAW_BESIDE for name in asked
     ]
     for issue in told:
         assert ("creep of the material together with a law" in issue.message) is (
@@ -236,3 +239,24 @@ def test_a_law_is_told_with_its_size(found: BeyondCatalogue, code: str, told: st
     assert issue.code == code
     assert told in issue.message
     assert found.laws[0].shown_by in (issue.remedy or "")
+
+
+def test_a_law_of_what_is_left_counts_of_that() -> None:
+    """And what a tie names already is no news, but speaks for one side of it."""
+    issue = unlisted_issue(LAW, of_rest=True)
+    assert issue.code == LAW_BESIDE
+    assert issue.message.startswith("what is left behaves like a law in no catalogue, play between")
+    assert issue.message.endswith(
+        "which takes away 99 % of it above the noise, and 98 % on what is held out"
+    )
+    tied = unlisted_issue(LAW, of_rest=True, is_tied=True)
+    assert tied.message.startswith("what is left speaks for play between the actuator")
+
+
+def test_a_law_whose_experiment_is_on_record_is_sought_on_the_rig() -> None:
+    """A gauge that is late shows in fast steps; what to look at is what would mend it."""
+    found = BeyondCatalogue((EarlyReading(),), 0.99, 0.98, 1.0, 1.0, ((0.05, "s"),))
+    assert unlisted_issue(found).remedy == "record fast steps, where it would show"
+    assert unlisted_issue(found, held=frozenset((STEPS,))).remedy == (
+        f"look for it on the rig, as these logs hold fast steps already: {EarlyReading.remedy}"
+    )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
+from handmade_diagnosis import DELAY, diagnosis, remainder
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
+from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Diagnosis, Verdict
+from softid.errors import Issue
 from softid.synthesis import HiddenPair, hidden_pair
 
 
@@ -27,6 +31,22 @@ def test_a_creep_of_two_times_is_told_with_both() -> None:
     true = pair.hidden["two_time_creep"]
     assert times == pytest.approx(sorted((true["tau1"], true["tau2"])), rel=0.05)
     assert told[1:] in found.summary
+
+
+def test_a_second_element_outdoes_what_is_described() -> None:
+    """It explains what is left, and shows in another experiment than a rest without a name."""
+    left = replace(remainder(structured=True, explained=0.99), structure_share=0.0, by={})
+    two = Issue(SEVERAL_ELEMENTS, "info", "the material creeps with more than one time", "hold on")
+    found = replace(diagnosis(Verdict.PARTIAL), descriptive=(DELAY,), remainder=left)
+    alone = write_summary(found).summary
+    assert "follows from no variable that was looked at" in alone
+    text = write_summary(replace(found, issues=(two,))).summary
+    assert (
+        "Besides, delay of the input describes a part of the rest, but a second element does so "
+        "better. The material creeps with more than one time." in text
+    )
+    assert "follows from no variable" not in text
+    assert "Next: hold on." in text
 
 
 @pytest.mark.parametrize("effect", ["creep", "hysteresis"])
