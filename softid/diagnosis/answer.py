@@ -23,6 +23,7 @@ from softid.diagnosis.report.several_elements import with_several_elements
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
 from softid.diagnosis.residual.input_noise import moved_parameters, unknown_input
+from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.noise_model import noise_with_moments, refined_under
 from softid.diagnosis.residual.parameter_constancy import variations
@@ -210,11 +211,19 @@ def _errors_by_link(chain: Chain, base: BaseFit, held_out: HeldOut) -> list[Arra
 def _variations(
     chain: Chain, base: BaseFit, remainder: Remainder, unsure: Array | None
 ) -> Sequence[Variation | None]:
-    """How the sizes of the causes vary throughout the logs."""
+    """How the sizes of the causes vary throughout the logs.
+
+    Moments of jumps that need not be left open for the noise's sake are unknown all the same: from
+    jump to jump a delay seems to vary by what is not known of them.
+    """
     if not chain.links:
         return ()
-    added, is_open = [link.added for link in chain.links], remainder.open_jumps > 0
-    return variations(chain.final, added, base.sigma, with_open_jumps=is_open, unsure=unsure)
+    final, is_open = chain.final, remainder.open_jumps > 0
+    if not is_open and any(len(untimed_jumps(segment)) for segment in final.problem.segments):
+        noise = remainder.noise_power
+        unsure = unknown_input(final, base.gauges, noise, moments_are_open=True)
+    added = [link.added for link in chain.links]
+    return variations(final, added, base.sigma, with_open_jumps=is_open, unsure=unsure)
 
 
 def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> FitResult:

@@ -233,6 +233,19 @@ def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
     assert "delay" in named | tied
 
 
+@pytest.mark.parametrize("noise", [0.006, 0.015])
+def test_a_delay_does_not_vary_by_what_is_not_known_of_the_moments(noise: float) -> None:
+    """Known truth: 0.05 s, which noise hides the moments behind, so that none is left open."""
+    logs = [switched(seed, delay_s=0.05, noise=noise) for seed in (1, 2)]
+    found = softid.diagnose(logs[0], hold_out=[logs[1]], model="oscillator", effects=["delay"])
+    assert found.remainder.open_jumps == 0
+    assert [cause.effect for cause in found.causes] == ["delay"]
+    assert found.causes[0].variation is None
+    (delay,) = found.causes[0].parameters
+    assert delay.ci95 is not None
+    assert delay.ci95[0] < 0.05 < delay.ci95[1]
+
+
 def test_a_model_that_runs_away_has_no_moments(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a jump does to it is no number."""
     problem = linear_problem([switched(3)])
