@@ -19,6 +19,7 @@ from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import fastest_part
 from softid.errors import IdentificationError, InputError
+from softid.intersample import is_abrupt
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -59,6 +60,9 @@ exceptions."""
 
 BEGINNING = 0.1
 """What begins in this share of a log is no spell, for much relaxes after the first motion."""
+
+SETTLED = 5.0
+"""Time constants after which the motion has settled: less than a hundredth is left."""
 
 INSIDE_SHARE = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
@@ -146,6 +150,26 @@ def spells_elsewhere(log: Log, model: Candidate, noise: float) -> int | None:
 def _length(spells: Spells) -> tuple[bool, float]:
     """How long spells are; those whose motion is met elsewhere are the shorter ones."""
     return not spells.is_met, sum(end - begin for begin, end in spells.spans_s)
+
+
+def is_of_a_jump(log: Log, span_s: tuple[float, float], motion_s: float) -> bool:
+    """Whether a spell is over when the motion has settled behind a jump of the input.
+
+    What is left there may be the moment of the jump, which falls between two samples.
+
+    Parameters
+    ----------
+    log
+        The log.
+    span_s
+        Begin and end of the spell.
+    motion_s
+        Time constant of the motion.
+    """
+    abrupt = np.flatnonzero(is_abrupt(log.channels[log.input].values))
+    begin, end = span_s
+    jumps_s = log.time_s[abrupt]
+    return bool(np.any((jumps_s <= begin) & (end <= jumps_s + SETTLED * motion_s)))
 
 
 def loudest(excess: Array) -> tuple[int, int, float]:

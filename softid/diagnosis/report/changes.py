@@ -22,7 +22,7 @@ from softid.diagnosis.changes.log_differences import (
     standing_over,
 )
 from softid.diagnosis.changes.pooling import own_parameters
-from softid.diagnosis.changes.spells import Spells, spells_elsewhere, spells_of
+from softid.diagnosis.changes.spells import Spells, is_of_a_jump, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
@@ -186,9 +186,10 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
 def _spells_and_change(
     log: Log, fit: Callable[[Log], Candidate], noise: float, base: BaseFit
 ) -> tuple[Spells | None, LogDifferences | None]:
-    """The spells of a log, if they are no law that acts there alone, and what changes in them."""
+    """The spells of a log and what changes in them; nothing where it may be a law or a jump."""
     spells = spells_of(log, fit, noise)
-    if spells is None:
+    motion_s = base.scale.motion_s
+    if spells is None or all(is_of_a_jump(log, span, motion_s) for span in spells.spans_s):
         return None, None
     change = log_differences(
         spells.reference,

@@ -11,7 +11,12 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
-from softid.diagnosis.changes.spells import loudest, spells_elsewhere, spells_of
+from softid.diagnosis.changes.spells import (
+    is_of_a_jump,
+    loudest,
+    spells_elsewhere,
+    spells_of,
+)
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
 from softid.diagnosis_results import Verdict
@@ -127,6 +132,14 @@ def test_a_spell_is_told_where_the_rest_predicts_what_judges(
     issues = spell_issues(base)
     assert bool(issues) is is_told
     assert any("snap" in issue.message for issue in issues) is recurs
+
+
+def test_what_is_over_when_a_jump_has_settled_is_of_the_jump() -> None:
+    """By hand: the input jumps between 3.98 and 4 s, and the motion settles in five times 0.2 s."""
+    pressure = np.where(TIME_S < 3.99, 10.0, 60.0)
+    log = Log.from_arrays(TIME_S, {"pressure": pressure, "angle": np.zeros(N)}, name="log")
+    spans = ((4.0, 4.9), (4.0, 5.1), (3.9, 4.2), (12.0, 12.2))
+    assert [is_of_a_jump(log, span, 0.2) for span in spans] == [True, False, False, False]
 
 
 def test_the_loudest_stretch_of_nothing_is_empty() -> None:
