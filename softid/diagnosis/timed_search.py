@@ -28,6 +28,7 @@ from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis.residual.jump_timing import JumpResponses, untimed_jumps
 from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.residual.projection import slopes_of
+from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.verdict.held_out_error import held_out_responses
@@ -67,6 +68,12 @@ def search_with_jump_moments(
     """
     plain = recordings_with_intersample(recordings, choice_unless_held(recordings.logs))
     whole: CauseSearch | None = None
+    if _intersample(plain.logs) != _intersample(search.base.candidate.problem.logs):
+        whole = _over(plain, request, search)  # what is held comes late, as behind a cause
+        found = whole.search()
+        is_whole = any(found.is_named) and not found.remainder.leaves_something
+        if is_whole and is_likelier(found.chain.final, known.final, search.base.sigma):
+            return found, whole
     for chain in _chains(plain, request, search, known):
         meant = {name for link in chain.links for name in (link.added.name, *link.rivals)}
         whole = whole or _over(plain, request, search)
@@ -80,10 +87,8 @@ def search_with_jump_moments(
 def _chains(
     plain: Recordings, request: Request, search: CauseSearch, known: Chain
 ) -> Iterator[Chain]:
-    """The known chain, where jumps were held in it, and those that timed jumps lead to."""
+    """The chains that timed jumps lead to, from those that the known one and they tell."""
     chain = known
-    if _intersample(plain.logs) != _intersample(chain.final.problem.logs):
-        yield chain
     for _ in range(TIMING_ROUNDS):
         timed = timed_recordings(plain, search, chain.final)
         if timed is None:
