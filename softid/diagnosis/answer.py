@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.base.intersample_selection import refitted_as
 from softid.diagnosis.base.reduced_base import reduced_base_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
@@ -49,6 +50,7 @@ from softid.diagnosis.verdict.sample_errors import held_out_at_samples, with_sam
 from softid.diagnosis_results import Cause, Diagnosis, Remainder, Variation
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
+from softid.identification.intersample_choice import choice_unless_held
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.workflow import Identification
 from softid.parallel import both
@@ -219,11 +221,24 @@ def _variations(
     if not chain.links:
         return ()
     final, is_open = chain.final, remainder.open_jumps > 0
-    if not is_open and any(len(untimed_jumps(segment)) for segment in final.problem.segments):
+    timed = None if is_open else _with_unknown_moments(final, base)
+    if timed is not None:
         noise = remainder.noise_power
-        unsure = unknown_input(final, base.gauges, noise, moments_are_open=True)
+        unsure = unknown_input(timed, base.gauges, noise, moments_are_open=True)
     added = [link.added for link in chain.links]
     return variations(final, added, base.sigma, with_open_jumps=is_open, unsure=unsure)
+
+
+def _with_unknown_moments(final: Candidate, base: BaseFit) -> Candidate | None:
+    """The model over an input that jumps when nobody knows; None where it does not jump.
+
+    That jumps are held until the next sample may be no more than the best guess at their moments.
+    """
+    logs = final.problem.logs
+    if base.is_intersample_open and logs[0].effective_intersample == "held":
+        final = refitted_as(final, base.sigma, choice_unless_held(logs)) or final
+    is_any = any(len(untimed_jumps(segment)) for segment in final.problem.segments)
+    return final if is_any else None
 
 
 def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> FitResult:
