@@ -25,10 +25,12 @@ from softid.diagnosis.report.no_response import NO_RESPONSE
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import (
     EVENTS,
+    LAW_BESIDE,
     LIKE_UNLISTED_LAW,
     OF_REST,
     ONE_STEP,
     UNLISTED_LAW,
+    WHAT_IS_LEFT,
 )
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import (
@@ -96,6 +98,7 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
             held=held,
         )
     )
+    beside = [i for i in found.issues if i.code == LAW_BESIDE and found.remainder.structured]
     is_unknown = found.verdict is Verdict.UNKNOWN
     laws = [i for i in found.issues if i.code == LIKE_UNLISTED_LAW and is_unknown]
     summary = summarise(
@@ -109,7 +112,8 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[i.message for i in found.issues if i.code in MARKS and i not in laws],
+        marks=[i.message for i in found.issues if i.code in MARKS and i not in (*laws, *beside)],
+        law_beside=beside[0].message.removeprefix(WHAT_IS_LEFT) if beside else "",
         laws=[i.message for i in laws],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
@@ -162,6 +166,7 @@ def summarise(
     refused: Sequence[str] = (),
     changes: Sequence[str] = (),
     laws: Sequence[str] = (),
+    law_beside: str = "",
     held_out_changes: Sequence[str] = (),
     seen: Sequence[str] = (),
     joined: Sequence[str] = (),
@@ -187,6 +192,8 @@ def summarise(
         misfit then.
     laws
         A law in no catalogue that accounts for most of a misfit without a name.
+    law_beside
+        What is done by what is left, in words, where a law in no catalogue takes it away.
     held_out_changes
         How what is held out differs from them.
     seen
@@ -212,7 +219,8 @@ def summarise(
     opening = teller.misfit(is_extended=bool(causes or descriptive))
     told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
     each: list[str] = []
-    left = WhatIsLeft(teller, remainder, alternatives, bool(marks or elements), has_line)
+    is_told = bool(marks or elements or law_beside)
+    left = WhatIsLeft(teller, remainder, alternatives, is_told, has_line, law_beside)
     if verdict is Verdict.ADEQUATE:
         told += [sentence(instead)] if instead else left.by_adequate(refused)
     elif verdict is Verdict.UNKNOWN:
