@@ -134,9 +134,9 @@ def _to_see_elements(found: Diagnosis) -> str | None:
 
 
 def _seen_beside(found: Diagnosis) -> list[str]:
-    """The remarks on the logs that belong into the paragraph; of sets the first, if none is named.
+    """The remarks on the logs that belong into the paragraph.
 
-    What leaves a set need not be told of one.
+    That a first cycle leaves a set is told of one log, and not where a cause that does so is named.
     """
     named = {name for tie in found.alternatives for name in tie.effects}
     named |= {cause.effect for cause in found.causes}
