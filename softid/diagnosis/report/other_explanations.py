@@ -341,7 +341,7 @@ def _to_see_it(law: Effect, held: frozenset[str]) -> str:
     """Where a law in no catalogue would show: in an experiment, or on the rig if that was done."""
     elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
     if is_held(law.shown_by, held):
-        return f"look for it on the rig, as these logs hold {law.shown_by} already: {law.remedy}"
+        return f"settle it on the rig, for these logs hold {law.shown_by} already: {law.remedy}"
     return f"{elsewhere}record {law.shown_by}, where it would show"
 
 
