@@ -233,10 +233,10 @@ def summarise(
         told += map(sentence, joined)
         if descriptive:
             told.append(outdone(descriptive) if elements else described(descriptive, causes))
-        told += map(sentence, elements)
         told.append(teller.mended((*causes, *descriptive)))
         is_partial = verdict is Verdict.PARTIAL or remainder.structured
         told += left.by_partial() if is_partial else left.by_named()
+        told += map(sentence, elements)  # of which nothing is in the errors that were told
         told += map(sentence, held_out_changes)
     told += [sentence(mark) for mark in (*marks, *(() if changes else refused))]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
