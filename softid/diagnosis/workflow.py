@@ -35,7 +35,7 @@ from softid.diagnosis.plainer_model import plainer_model_issues
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.clipped_input import with_clipped_input
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
-from softid.diagnosis.report.held_excitation import held_experiments
+from softid.diagnosis.report.held_excitation import held_experiments, with_advice_lacking
 from softid.diagnosis.report.issues import (
     averaging_issues,
     input_noise_issues,
@@ -207,9 +207,10 @@ def diagnose(
 
 
 def _in_words(answer: Diagnosis, recorded: LogSet, count: int) -> Diagnosis:
-    """The diagnosis with its paragraph, what is left being told per sample of the logs."""
+    """The diagnosis with its paragraph, told per sample of the logs, and advice that they lack."""
     whole = with_sample_remainder(answer) if count > 1 else answer
-    return write_summary(whole, held_experiments(recorded))
+    held = held_experiments(recorded)
+    return write_summary(replace(whole, issues=with_advice_lacking(whole.issues, held)), held)
 
 
 def _with_input_treatment(fit: FitResult) -> FitResult:

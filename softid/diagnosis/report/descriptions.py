@@ -50,7 +50,8 @@ def outdone(descriptive: Sequence[Cause]) -> str:
     """
     names = listed([lowered(cause.title) for cause in descriptive])
     verb = "describes" if len(descriptive) == 1 else "describe"
-    return f"Besides, {names} {verb} a part of the rest, but a second element does so better."
+    better = "a second element of the cause does so better"
+    return f"Besides, {names} {verb} a part of the rest, but {better}."
 
 
 def _held_out_fall(cause: Cause) -> float:

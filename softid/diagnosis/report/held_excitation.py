@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from softid.diagnosis.verdict.separations import CHIRP, HOLD, SINE, STAIRCASE, STEPS
+from softid.errors import Issue
 from softid.excitation import SettledWindow, Stretch, distinct_levels, excitation_and_holds
 from softid.log import Log
 
@@ -41,6 +43,12 @@ SLOW_HOLD_S = 2.0
 """Time for which a usual level of a slow staircase is held at least. A judgement: soft actuators
 settle within it."""
 
+RECORD = "record "
+"""How advice begins that asks for an experiment."""
+
+SEE_MORE = "sample faster, or with less noise: what would show it is in these logs already"
+"""Advice where the experiment that would help is on record."""
+
 ANY_OF: dict[str, tuple[str, ...]] = {
     SINE: (SINE,),
     STAIRCASE: (STAIRCASE,),
@@ -51,6 +59,7 @@ ANY_OF: dict[str, tuple[str, ...]] = {
     "fast steps, or a chirp beyond the ringing frequency": (STEPS,),
     "fast steps up and down between the same levels": (STEPS,),
     "a chirp up to the bandwidth of the actuator": (CHIRP,),
+    "fast steps or a chirp past the natural frequency, sampled well above it": (STEPS, CHIRP),
 }
 """Experiments as the advice names them, and which of the plain ones are enough for each."""
 
@@ -81,6 +90,24 @@ def is_held(advised: str, held: frozenset[str]) -> bool:
         From `held_experiments`.
     """
     return not held.isdisjoint(ANY_OF.get(advised, ()))
+
+
+def with_advice_lacking(issues: Iterable[Issue], held: frozenset[str]) -> tuple[Issue, ...]:
+    """Remarks of which none advises to record what is on record.
+
+    Parameters
+    ----------
+    issues
+        Remarks, with advice as ``"record "`` and an experiment of the catalogue.
+    held
+        From `held_experiments`.
+    """
+    return tuple(
+        replace(issue, remedy=SEE_MORE)
+        if is_held((issue.remedy or "").removeprefix(RECORD), held)
+        else issue
+        for issue in issues
+    )
 
 
 def moves_quickly(held: frozenset[str]) -> bool:

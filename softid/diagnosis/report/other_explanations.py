@@ -54,6 +54,9 @@ MOST_LAWS = 3
 EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
 """Codes of the remarks on what happened beside any law."""
 
+WHAT_IS_LEFT = "what is left "
+"""How that remark begins."""
+
 EVENT_BESIDE = "event-beside"
 """Code of the remark that what causes leave begins at one moment."""
 
@@ -327,7 +330,7 @@ def unlisted_issue(
     causes = listed([lowered(effect.title) for effect in found.beside])
     together = f"{causes} together with " if causes and not of_rest else ""
     take = "take" if together else "takes"
-    what = f"what is {'left' if of_rest else 'missing'} "
+    what = WHAT_IS_LEFT if of_rest else "what is missing "
     what += "speaks for " if is_tied else f"behaves like {together}a law in no catalogue, "
     whole = UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW
     return Issue(
@@ -344,7 +347,7 @@ def _to_see_it(law: Effect, held: frozenset[str]) -> str:
     """Where a law in no catalogue would show: in an experiment, or on the rig if that was done."""
     elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
     if is_held(law.shown_by, held):
-        return f"look for it on the rig, as these logs hold {law.shown_by} already: {law.remedy}"
+        return f"settle it on the rig, for these logs hold {law.shown_by} already: {law.remedy}"
     return f"{elsewhere}record {law.shown_by}, where it would show"
 
 

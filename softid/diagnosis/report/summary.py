@@ -25,10 +25,12 @@ from softid.diagnosis.report.no_response import NO_RESPONSE
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import (
     EVENTS,
+    LAW_BESIDE,
     LIKE_UNLISTED_LAW,
     OF_REST,
     ONE_STEP,
     UNLISTED_LAW,
+    WHAT_IS_LEFT,
 )
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import (
@@ -96,6 +98,7 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
             held=held,
         )
     )
+    beside = [i for i in found.issues if i.code == LAW_BESIDE and found.remainder.structured]
     is_unknown = found.verdict is Verdict.UNKNOWN
     laws = [i for i in found.issues if i.code == LIKE_UNLISTED_LAW and is_unknown]
     summary = summarise(
@@ -109,7 +112,8 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[i.message for i in found.issues if i.code in MARKS and i not in laws],
+        marks=[i.message for i in found.issues if i.code in MARKS and i not in (*laws, *beside)],
+        law_beside=beside[0].message.removeprefix(WHAT_IS_LEFT) if beside else "",
         laws=[i.message for i in laws],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
@@ -130,9 +134,9 @@ def _to_see_elements(found: Diagnosis) -> str | None:
 
 
 def _seen_beside(found: Diagnosis) -> list[str]:
-    """The remarks on the logs that belong into the paragraph; of sets the first, if none is named.
+    """The remarks on the logs that belong into the paragraph.
 
-    What leaves a set need not be told of one.
+    That a first cycle leaves a set is told of one log, and not where a cause that does so is named.
     """
     named = {name for tie in found.alternatives for name in tie.effects}
     named |= {cause.effect for cause in found.causes}
@@ -162,6 +166,7 @@ def summarise(
     refused: Sequence[str] = (),
     changes: Sequence[str] = (),
     laws: Sequence[str] = (),
+    law_beside: str = "",
     held_out_changes: Sequence[str] = (),
     seen: Sequence[str] = (),
     joined: Sequence[str] = (),
@@ -187,6 +192,8 @@ def summarise(
         misfit then.
     laws
         A law in no catalogue that accounts for most of a misfit without a name.
+    law_beside
+        What is done by what is left, in words, where a law in no catalogue takes it away.
     held_out_changes
         How what is held out differs from them.
     seen
@@ -212,7 +219,8 @@ def summarise(
     opening = teller.misfit(is_extended=bool(causes or descriptive))
     told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
     each: list[str] = []
-    left = WhatIsLeft(teller, remainder, alternatives, bool(marks or elements), has_line)
+    is_told = bool(marks or elements or law_beside)
+    left = WhatIsLeft(teller, remainder, alternatives, is_told, has_line, law_beside)
     if verdict is Verdict.ADEQUATE:
         told += [sentence(instead)] if instead else left.by_adequate(refused)
     elif verdict is Verdict.UNKNOWN:
@@ -225,10 +233,10 @@ def summarise(
         told += map(sentence, joined)
         if descriptive:
             told.append(outdone(descriptive) if elements else described(descriptive, causes))
-        told += map(sentence, elements)
         told.append(teller.mended((*causes, *descriptive)))
         is_partial = verdict is Verdict.PARTIAL or remainder.structured
         told += left.by_partial() if is_partial else left.by_named()
+        told += map(sentence, elements)  # of which nothing is in the errors that were told
         told += map(sentence, held_out_changes)
     told += [sentence(mark) for mark in (*marks, *(() if changes else refused))]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:

@@ -52,6 +52,8 @@ class WhatIsLeft:
         Whether a remark says what it is.
     has_line
         Whether a remark tells of a steady line in it.
+    law
+        What it does, as a law in no catalogue that takes most of it away; empty without one.
     """
 
     teller: ErrorTexts
@@ -59,6 +61,7 @@ class WhatIsLeft:
     alternatives: Sequence[Alternative]
     is_told: bool
     has_line: bool
+    law: str = ""
 
     @property
     def size(self) -> str:
@@ -157,10 +160,15 @@ class WhatIsLeft:
         return [told, self.teller.more_held_out(self.remainder, is_tied=bool(self.alternatives))]
 
     def _more_than_noise(self, but: str = "") -> str:
-        """What is left, where that is more than noise, and what it may be unless that is told."""
+        """What is left, where that is more than noise, and what it may be unless that is told.
+
+        What it follows is part of a law that takes it away.
+        """
         remainder = self.remainder
         named = [VARIABLE_WORDS.get(name, name) for name in variables_left(remainder)]
         told = f"What is left, {self.size} rms on the fitted samples, {but}"
+        if self.law:
+            return f"{told}{self.law}."
         if remainder.predictable:
             told += f"is not noise: {structure_of_rest(remainder)}"
         elif remainder.is_a_line:

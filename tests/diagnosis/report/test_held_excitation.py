@@ -8,11 +8,20 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.diagnosis.report.held_excitation import ANY_OF, held_experiments, is_held, moves_quickly
+from softid.diagnosis.report.held_excitation import (
+    ANY_OF,
+    SEE_MORE,
+    held_experiments,
+    is_held,
+    moves_quickly,
+    with_advice_lacking,
+)
 from softid.diagnosis.verdict.separations import CHIRP, EXPERIMENTS, HOLD, SINE, STAIRCASE, STEPS
 from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
 from softid.effects import EFFECTS
+from softid.errors import Issue
 from softid.log import Log
+from softid.models.muscle import Muscle
 
 Array = npt.NDArray[np.float64]
 
@@ -87,7 +96,21 @@ def test_advice_in_other_words_is_never_held() -> None:
     assert not is_held(STEPS, frozenset((CHIRP, SINE)))
 
 
+def test_a_remark_does_not_advise_what_is_held() -> None:
+    """An inertia that fast steps do not show needs faster samples; other advice stays."""
+    unseen = Issue(
+        "not-seen", "warning", "it cannot be seen", f"record {Muscle.identified_by['M']}"
+    )
+    other = Issue("weakly-identified", "info", "a2 is weakly identified", "record a staircase")
+    issues = (unseen, other, Issue("coloured-residual", "info", "it is coloured"))
+    assert with_advice_lacking(issues, frozenset((SINE,))) == issues
+    first, *rest = with_advice_lacking(issues, frozenset((STEPS,)))
+    assert first.remedy == SEE_MORE
+    assert tuple(rest) == issues[1:]
+
+
 def test_the_words_are_those_of_the_advice() -> None:
     """So that nothing is asked for in other words one day."""
     laws = (*EFFECTS.values(), *UNLISTED_LAWS)
-    assert set(ANY_OF) <= {*EXPERIMENTS, *(law.shown_by for law in laws)}
+    wanted = Muscle.identified_by.values()
+    assert set(ANY_OF) <= {*EXPERIMENTS, *(law.shown_by for law in laws), *wanted}

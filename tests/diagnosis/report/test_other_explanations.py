@@ -258,5 +258,5 @@ def test_a_law_whose_experiment_is_on_record_is_sought_on_the_rig() -> None:
     found = BeyondCatalogue((EarlyReading(),), 0.99, 0.98, 1.0, 1.0, ((0.05, "s"),))
     assert unlisted_issue(found).remedy == "record fast steps, where it would show"
     assert unlisted_issue(found, held=frozenset((STEPS,))).remedy == (
-        f"look for it on the rig, as these logs hold fast steps already: {EarlyReading.remedy}"
+        f"settle it on the rig, for these logs hold fast steps already: {EarlyReading.remedy}"
     )

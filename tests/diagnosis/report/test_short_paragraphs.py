@@ -57,9 +57,16 @@ def test_of_a_law_in_no_catalogue_the_descriptions_are_beside_the_point() -> Non
 
 
 def test_a_law_of_what_descriptions_leave_comes_behind_them() -> None:
+    """It stands in the place of what the rest follows, which is part of the law."""
     law = Issue(LAW_BESIDE, "info", "what is left behaves like a law", "look at it")
-    text = told(replace(diagnosis(Verdict.UNKNOWN), issues=(law,)))
-    assert text.index("The best description, dry friction") < text.index("What is left behaves")
+    for verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
+        found = diagnosis(verdict)
+        assert "is not noise: 37 % of its power follows" in told(found)
+        text = told(replace(found, issues=(law,)))
+        assert "What is left, 0.2 deg rms on the fitted samples, behaves like a law." in text
+        assert text.count("behaves like a law") == 1
+        assert "of its power" not in text
+        assert text.index("dry friction") < text.index("behaves like a law")
 
 
 @pytest.mark.parametrize(("count", "named"), [(5, 5), (6, 4), (8, 4)])
