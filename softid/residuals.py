@@ -254,14 +254,15 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     if n < 2:
         raise InputError("fewer than two residuals are used", value=n, remedy="mask fewer samples")
     freedom = lags - fitted_parameters
-    if float(np.ptp(residual[used])) == 0.0:
+    there = residual if n == residual.size else residual[used]
+    if float(np.ptp(there)) == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
-    centred = residual - np.mean(residual, where=used)
+    centred = residual - there.mean()
     centred[~used] = 0.0
     sums = _lagged_sums(centred, centred, lags)
     pairs = _lagged_pairs(used, used, lags)
-    there = pairs[1:] > 0
-    q = float(n * (n + 2.0) * np.sum((sums[1:][there] / sums[0]) ** 2 / pairs[1:][there]))
+    any_pair = pairs[1:] > 0
+    q = float(n * (n + 2.0) * np.sum((sums[1:][any_pair] / sums[0]) ** 2 / pairs[1:][any_pair]))
     return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
 
 

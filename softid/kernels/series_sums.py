@@ -1,0 +1,66 @@
+"""Sums over a long series that need no other array."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from softid.kernels.decorators import SUMMING, kernel
+
+Array = npt.NDArray[np.float64]
+
+CHUNK = 1024
+"""Samples that are whitened at a time: they stay in the fastest cache."""
+
+
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
+def _sum(values: Array) -> float:
+    total = 0.0
+    for t in range(values.size):
+        total += values[t]
+    return total
+
+
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
+def _squares(values: Array, level: float) -> float:
+    total = 0.0
+    for t in range(values.size):
+        total += (values[t] - level) * (values[t] - level)
+    return total
+
+
+@kernel
+def mean_and_power(values: Array) -> tuple[float, float]:
+    """Mean m and Σ (v − m)².
+
+    Parameters
+    ----------
+    values
+        A series, shape (n,) with n ≥ 1.
+    """
+    mean = _sum(values) / values.size
+    return mean, _squares(values, mean)
+
+
+@kernel
+def innovation_power(values: Array, phi: Array) -> float:
+    """Σ (y_t − Σ φ_j y_{t−j})² over all samples that have as many before them.
+
+    Parameters
+    ----------
+    values
+        A series, shape (n,).
+    phi
+        Coefficients of an autoregression, that of the sample before first, shape (p,).
+    """
+    total = 0.0
+    left = np.empty(CHUNK)
+    for first in range(phi.size, values.size, CHUNK):
+        count = min(CHUNK, values.size - first)
+        left[:count] = values[first : first + count]
+        for j in range(phi.size):
+            for t in range(count):
+                left[t] -= phi[j] * values[first + t - j - 1]
+        total += _squares(left[:count], 0.0)
+    return total
