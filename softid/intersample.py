@@ -105,13 +105,14 @@ def jumps(values: Array) -> IntArray:
     >>> jumps(np.array([0.0, 0.0, 20.0, 50.0, 50.0, 50.0])).tolist()
     []
     """
-    moves = np.abs(np.diff(values))
+    moves = np.diff(values)
     if moves.size < 2:
         return np.empty(0, np.int64)
-    before = np.concatenate(([0.0], moves[:-1]))
-    after = np.concatenate((moves[1:], [0.0]))
-    large = (moves > 0.0) & (moves >= SMALLEST * float(np.ptp(values)))
-    found = np.flatnonzero(large & (np.maximum(before, after) <= FLAT * moves))
+    np.abs(moves, out=moves)
+    found = np.flatnonzero(moves >= max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny))
+    before = np.where(found > 0, moves[found - 1], 0.0)
+    after = np.where(found < moves.size - 1, moves[(found + 1) % moves.size], 0.0)
+    found = found[np.maximum(before, after) <= FLAT * moves[found]]
     if found.size == 0:
         return found
     noise = float(moves[found].min()) / ABOVE_NOISE
