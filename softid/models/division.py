@@ -75,6 +75,11 @@ class Division:
         return bends_alike or self.nodes_per_step == other.nodes_per_step
 
     @cached_property
+    def steps(self) -> int:
+        """Number of steps L."""
+        return int(self.counts.sum())
+
+    @cached_property
     def nodes_per_step(self) -> int:
         """Nodes within a step at which effects on the input act."""
         longest = float(self.step_s.max(initial=0.0))
@@ -90,7 +95,7 @@ class Division:
         """
         from softid.kernels.stage_projection import spread
 
-        size = 1 + int(self.counts.sum()) * self.nodes_per_step
+        size = 1 + self.steps * self.nodes_per_step
         node_s, node_u = np.empty(size), np.empty(size)
         spread(self.time_s, self.u, self.counts, self.nodes_per_step, node_s, node_u)
         return held(node_s), held(node_u)
@@ -104,7 +109,7 @@ class Division:
     @cached_property
     def ends(self) -> npt.NDArray[np.bool_]:
         """Which steps end on a sample, shape (L,)."""
-        ends = np.zeros(int(self.counts.sum()), bool)
+        ends = np.zeros(self.steps, bool)
         ends[np.cumsum(self.counts) - 1] = True
         return ends
 
