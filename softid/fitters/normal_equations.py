@@ -18,6 +18,7 @@ from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.pieces import Piece, piece_of_block, piece_of_products
 from softid.fitters.problem import Block, Problem
 from softid.kernels.affine_blocks import N_COLUMNS
+from softid.kernels.equation_sums import add_equations
 from softid.models.division import Division
 from softid.models.products import NO_COLUMNS, Keep, Products
 from softid.segment import Segment
@@ -169,13 +170,12 @@ def _summed_at_best_zeros(
     cost, n = 0.0, 0
     gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
     for piece in pieces:
-        weight, mine = 1.0 / sigma[piece.channel] ** 2, piece.moved_by
-        pushed = piece.gram @ piece.residual
-        cost += 0.5 * weight * max(float(piece.residual @ pushed), 0.0)
-        gradient[mine] += weight * (piece.jacobian.T @ pushed)
-        matrix[mine[:, None], mine] += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
+        weight = 1.0 / sigma[piece.channel] ** 2
+        columns = piece.gram, piece.jacobian, piece.residual
+        squares, is_finite = add_equations(*columns, piece.moved_by, weight, gradient, matrix)
+        cost += 0.5 * weight * max(squares, 0.0) if is_finite else np.inf
         n += piece.count
-    if not np.isfinite(cost + float(gradient.sum()) + float(matrix.sum())):
+    if not np.isfinite(cost):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
     return Linearised(moved, cost, gradient, matrix, n, tuple(pieces), plans, problem)
 

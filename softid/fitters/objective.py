@@ -130,7 +130,7 @@ class Objective:
             last is not None
             and self.plans is not None
             and last.plans is not None
-            and (np.array_equal(z, last.point) or np.array_equal(z, self._asked))
+            and z.tobytes() in (last.point.tobytes(), self._asked.tobytes())
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
             and (last.kept or keep != ALL_COLUMNS)
@@ -194,7 +194,7 @@ class Objective:
     def _plans(self, z: Array) -> list[Division | None]:
         """Steps at ``z``; zeros and initial states, which follow the parameters, change none."""
         free = z[: len(self.problem.free)]
-        if self._planned is None or not np.array_equal(free, self._planned[0]):
+        if self._planned is None or free.tobytes() != self._planned[0].tobytes():
             self._planned = free.copy(), self.problem.plans(z)
         return self._planned[1]
 

@@ -37,15 +37,16 @@ BoolArray = npt.NDArray[np.bool_]
 def _add(w: Array, ends: Ends, stretch: int, apart: int, columns: Array) -> None:
     """Add to the means over the stretches in which the samples lie; ``ends`` is used up."""
     share = 1.0 / stretch
-    for i in range(LANES, POINTS):
-        if ends[i] >= 0:
-            ends[i] //= stretch
-            if ends[i] == apart:
-                ends[i] = columns.shape[1] - 1
-    for p in range(N_COLUMNS):
+    if stretch > 1:
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
-                columns[p, ends[i]] += share * w[BY + p * POINTS + i]
+                k = int((ends[i] + 0.5) * share)  # quicker than a division, and never between
+                ends[i] = k if k != apart else columns.shape[1] - 1
+    for p in range(N_COLUMNS):
+        for lane in range(LANES):
+            for i in range(LANES + lane, POINTS, LANES):
+                if ends[i] >= 0:
+                    columns[p, ends[i]] += share * w[BY + p * POINTS + i]
 
 
 @njit(nogil=True, error_model="numpy")

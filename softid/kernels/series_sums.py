@@ -43,6 +43,27 @@ def mean_and_power(values: Array) -> tuple[float, float]:
     return mean, _squares(values, mean)
 
 
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
+def _product(a: Array, b: Array, a_level: float, b_level: float) -> float:
+    total = 0.0
+    for t in range(a.size):
+        total += (a[t] - a_level) * (b[t] - b_level)
+    return total
+
+
+@kernel
+def joint_powers(a: Array, b: Array) -> tuple[float, float, float]:
+    """Σ ab, Σ a² and Σ b², all less their means.
+
+    Parameters
+    ----------
+    a, b
+        Series, each of shape (n,) with n ≥ 1.
+    """
+    a_mean, b_mean = _sum(a) / a.size, _sum(b) / b.size
+    return _product(a, b, a_mean, b_mean), _squares(a, a_mean), _squares(b, b_mean)
+
+
 @kernel
 def innovation_power(values: Array, phi: Array) -> float:
     """Σ (y_t − Σ φ_j y_{t−j})² over all samples that have as many before them.

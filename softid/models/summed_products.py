@@ -36,6 +36,8 @@ second thread saves."""
 FORGOTTEN = 1e-20
 """Share of a state that is left when it is forgotten: rounding is ten thousand times as much."""
 
+_EYE = np.eye(N_STATES)
+
 _ALL = 1 << 62
 """More blocks than any log has."""
 
@@ -166,9 +168,9 @@ def sum_law(
     gram = sums.by_halves(begin, plan.counts, plan.steps) if by_halves else sums.along(begin)
     columns = kept[:, :stretches] if stretches else None
     return Products(
-        gram[:N_COLUMNS, :N_COLUMNS],
+        gram[:N_COLUMNS, :N_COLUMNS].copy(),
         gain * form.by_theta,
-        gain * np.eye(N_STATES),
+        gain * _EYE,
         columns,
         _counted(columns, keep.stretch) if columns is not None and keep.stretch > 1 else None,
         left if keep.residual else None,

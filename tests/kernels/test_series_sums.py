@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.kernels.series_sums import CHUNK, innovation_power, mean_and_power
+from softid.kernels.series_sums import CHUNK, innovation_power, joint_powers, mean_and_power
 
 
 @pytest.mark.parametrize("n", [1, 2, 3 * CHUNK + 5])
@@ -15,6 +15,15 @@ def test_mean_and_power_are_those_of_numpy(n: int) -> None:
     mean, power = mean_and_power(values)
     assert mean == pytest.approx(values.mean(), rel=1e-14)
     assert power == pytest.approx(n * values.var(), rel=1e-12)
+
+
+def test_joint_powers_are_those_of_numpy() -> None:
+    """n times the covariance matrix, far from zero: to 1e-11."""
+    rng = np.random.default_rng(5)
+    a = 1e5 + rng.normal(size=1000)
+    b = 0.3 * a + rng.normal(size=1000)
+    (aa, ab), (_, bb) = 1000.0 * np.cov(a, b, bias=True)
+    np.testing.assert_allclose(joint_powers(a, b), (ab, aa, bb), rtol=1e-11)
 
 
 @pytest.mark.parametrize("order", [0, 1, 8])
