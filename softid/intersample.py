@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.even_times import even_interval_s
+from softid.kernels.input_moves import moves_of_at_least
 
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -105,20 +106,28 @@ def jumps(values: Array) -> IntArray:
     >>> jumps(np.array([0.0, 0.0, 20.0, 50.0, 50.0, 50.0])).tolist()
     []
     """
-    moves = np.diff(values)
-    if moves.size < 2:
+    if values.size < 3:
         return np.empty(0, np.int64)
-    np.abs(moves, out=moves)
-    found = np.flatnonzero(moves >= max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny))
-    before = np.where(found > 0, moves[found - 1], 0.0)
-    after = np.where(found < moves.size - 1, moves[(found + 1) % moves.size], 0.0)
-    found = found[np.maximum(before, after) <= FLAT * moves[found]]
+    held = np.ascontiguousarray(values)
+    least = max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny)
+    found = np.empty(_moves_of(held, least), np.int64)
+    moves_of_at_least(held, least, found)
+    moves, last = np.abs(held[found + 1] - held[found]), held.size - 2
+    before = np.where(found > 0, np.abs(held[found] - held[found - 1]), 0.0)
+    behind = np.minimum(found + 2, last + 1)  # the last sample twice, which moves nothing
+    after = np.abs(held[behind] - held[found + 1])
+    is_jump = np.maximum(before, after) <= FLAT * moves
+    found, moves = found[is_jump], moves[is_jump]
     if found.size == 0:
         return found
-    noise = float(moves[found].min()) / ABOVE_NOISE
-    if 2 * int(np.count_nonzero(moves <= noise)) <= moves.size + 1:  # else the median is less
-        found = found[moves[found] >= ABOVE_NOISE * float(np.median(moves))]
+    noise = np.nextafter(float(moves.min()) / ABOVE_NOISE, np.inf)
+    if 2 * (last + 1 - _moves_of(held, noise)) <= last + 2:  # else the median is less
+        found = found[moves >= ABOVE_NOISE * float(np.median(np.abs(np.diff(held))))]
     return found
+
+
+def _moves_of(values: Array, least: float) -> int:
+    return int(moves_of_at_least(values, least, np.empty(0, np.int64)))
 
 
 def is_abrupt(values: Array) -> npt.NDArray[np.bool_]:

@@ -257,9 +257,12 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     there = residual if n == residual.size else residual[used]
     if float(np.ptp(there)) == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
-    centred = residual - there.mean()
-    centred[~used] = 0.0
-    sums = _lagged_sums(centred, centred, lags)
+    if n == residual.size:
+        sums = np.zeros(lags + 1)
+        add_lagged_products(residual, residual, float(residual.mean()), sums)
+    else:
+        centred = np.where(used, residual - there.mean(), 0.0)
+        sums = _lagged_sums(centred, centred, lags)
     pairs = _lagged_pairs(used, used, lags)
     any_pair = pairs[1:] > 0
     q = float(n * (n + 2.0) * np.sum((sums[1:][any_pair] / sums[0]) ** 2 / pairs[1:][any_pair]))
@@ -300,7 +303,7 @@ def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
     """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform unless k are few."""
     if max_lag < min(first.size, FEW_LAGS):
         sums = np.zeros(max_lag + 1)
-        add_lagged_products(first, second, sums)
+        add_lagged_products(first, second, 0.0, sums)
         return sums
     size = 1 << int(first.size + max_lag).bit_length()
     spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)

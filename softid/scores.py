@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
-from softid.kernels.series_sums import mean_and_power
+from softid.kernels.series_sums import difference_powers, mean_and_power
 from softid.results import FitStatistics
 
 Array = npt.NDArray[np.float64]
@@ -21,8 +21,7 @@ BoolArray = npt.NDArray[np.bool_]
 def fit_percent(measured: Array, simulated: Array) -> float:
     """Fit 100 (1 − ‖y − ŷ‖/‖y − mean y‖), as MATLAB's ``compare``; NaN for a constant y."""
     y, s = _pairs(measured, simulated)
-    error = y - s
-    return 100.0 * (1.0 - _nrmse(float(error @ error), _spread(y)))
+    return 100.0 * (1.0 - _nrmse(difference_powers(y, s)[0], _spread(y)))
 
 
 def fit_statistics(
@@ -71,8 +70,7 @@ def fit_statistics(
     """
     whole = measured if used is None or used.all() else np.where(used, measured, np.nan)
     y, s = _pairs(whole, simulated, where=f"{log}, {channel}")
-    error = y - s
-    square, spread = float(error @ error), _spread(y)
+    (square, apart), spread = difference_powers(y, s), _spread(y)
     relative = _nrmse(square, spread)
     return FitStatistics(
         log=log,
@@ -85,7 +83,7 @@ def fit_statistics(
         nrmse=relative,
         fit_percent=100.0 * (1.0 - relative),
         r2=1.0 - relative**2,
-        vaf=_vaf(mean_and_power(error)[1], spread),
+        vaf=_vaf(apart, spread),
         display_unit=unit if display_unit is None else display_unit,
         display_factor=display_factor,
     )

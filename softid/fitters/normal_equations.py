@@ -76,17 +76,20 @@ class Linearised(NormalEquations):
         """Whether the residuals of all pieces are there."""
         return all(piece.has_residuals for piece in self.pieces)
 
+    def at_used(self, piece: Piece, values: Array) -> Array:
+        """Those of values at every sample, or of rows of them, that a piece uses."""
+        used = self.problem.segments[piece.segment].used[piece.channel]
+        return values if used.all() else values[used]
+
     def blocks(self, *, derivatives: bool) -> list[Block]:
         """Residuals at the used samples, and Jacobians if asked, where they were kept."""
         blocks = []
         for piece in self.pieces:
-            used = self.problem.segments[piece.segment].used[piece.channel]
-            kept = slice(None) if used.all() else used
-            residual, jacobian = piece.residuals[kept], None
+            residual, jacobian = self.at_used(piece, piece.residuals), None
             if derivatives:
                 assert piece.columns is not None
                 weights = piece.by(np.arange(self.problem.size))
-                jacobian = (piece.columns.T @ weights)[kept]
+                jacobian = self.at_used(piece, piece.columns.T @ weights)
             blocks.append(Block(piece.channel, piece.segment, residual, jacobian))
         return blocks
 

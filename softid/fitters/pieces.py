@@ -83,11 +83,16 @@ class Piece:
         return self.kept or self.left is not None
 
     @property
-    def residuals(self) -> Array:
-        """The residual at every sample, anything where it is not used, shape (n,)."""
+    def unmoved(self) -> Array:
+        """The residual at every sample without its move to the zero, shape (n,)."""
         last = self.columns[-1] if self.columns is not None and self.kept else self.left
         assert last is not None
-        found: Array = last + self.residual[-2]  # all of them follow their zero
+        return last
+
+    @property
+    def residuals(self) -> Array:
+        """The residual at every sample, anything where it is not used, shape (n,)."""
+        found: Array = self.unmoved + self.residual[-2]  # all of them follow their zero
         return found
 
     @property

@@ -11,7 +11,7 @@ from softid.kernels.decorators import SUMMING, kernel
 Array = npt.NDArray[np.float64]
 
 CHUNK = 1024
-"""Samples that are whitened at a time: they stay in the fastest cache."""
+"""Samples that are worked on at a time: they stay in the fastest cache."""
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
@@ -62,6 +62,26 @@ def joint_powers(a: Array, b: Array) -> tuple[float, float, float]:
     """
     a_mean, b_mean = _sum(a) / a.size, _sum(b) / b.size
     return _product(a, b, a_mean, b_mean), _squares(a, a_mean), _squares(b, b_mean)
+
+
+@kernel
+def difference_powers(a: Array, b: Array) -> tuple[float, float]:
+    """Σ (a − b)², and the same less the mean difference.
+
+    Parameters
+    ----------
+    a, b
+        Series, each of shape (n,) with n ≥ 1.
+    """
+    mean = (_sum(a) - _sum(b)) / a.size
+    whole, apart = 0.0, 0.0
+    left = np.empty(CHUNK)
+    for first in range(0, a.size, CHUNK):
+        count = min(CHUNK, a.size - first)
+        left[:count] = a[first : first + count] - b[first : first + count]
+        whole += _squares(left[:count], 0.0)
+        apart += _squares(left[:count], mean)
+    return whole, apart
 
 
 @kernel

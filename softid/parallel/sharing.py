@@ -11,6 +11,7 @@ another for longer than the work takes.
 from __future__ import annotations
 
 import contextlib
+import contextvars
 import multiprocessing
 import os
 import sys
@@ -128,7 +129,8 @@ def on_two_threads(
     is_shared = _here.has_part or _here.team is not None
     if is_shared or multiprocessing.parent_process() is not None or _cores() < 2:
         return first(), second()
-    waiting = _other_thread().submit(second)
+    context = contextvars.copy_context()  # in which numpy keeps what it warns of
+    waiting = _other_thread().submit(context.run, second)
     one = first()
     return one, second() if waiting.cancel() else waiting.result()
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.kernels.series_sums import CHUNK, innovation_power, joint_powers, mean_and_power
+from softid.kernels.series_sums import (
+    CHUNK,
+    difference_powers,
+    innovation_power,
+    joint_powers,
+    mean_and_power,
+)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3 * CHUNK + 5])
@@ -24,6 +30,16 @@ def test_joint_powers_are_those_of_numpy() -> None:
     b = 0.3 * a + rng.normal(size=1000)
     (aa, ab), (_, bb) = 1000.0 * np.cov(a, b, bias=True)
     np.testing.assert_allclose(joint_powers(a, b), (ab, aa, bb), rtol=1e-11)
+
+
+@pytest.mark.parametrize("n", [1, 3 * CHUNK + 5])
+def test_difference_powers_are_those_of_numpy(n: int) -> None:
+    """Of two series that lie far apart: to rounding of the squares of that."""
+    a, b = np.random.default_rng(n).normal(size=(2, n))
+    b += 1e3
+    whole, apart = difference_powers(a, b)
+    assert whole == pytest.approx(float((a - b) @ (a - b)), rel=1e-12)
+    assert apart == pytest.approx(n * float(np.var(a - b)), rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("order", [0, 1, 8])
