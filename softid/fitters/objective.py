@@ -102,6 +102,7 @@ class Objective:
         self._last: Linearised | None = None
         self._asked = np.empty(0)  # where the last was asked for, before its zeros moved
         self._weighted: dict[str, float] = {}
+        self._bends = True
         self._planned: tuple[Array, list[Division | None]] | None = None
 
     def __call__(self, z: Array) -> NormalEquations:
@@ -121,8 +122,8 @@ class Objective:
     def _at(self, z: Array, *, columns: bool = False) -> Linearised:
         """The normal equations without the prior; the last ones are kept, to begin a run with.
 
-        Columns are kept where that is cheap, and where they are asked for; where they would be too
-        many, their means and the residuals; of the longest logs nothing.
+        Columns are kept where that is cheap and a step may bend, and where they are asked for;
+        where they would be too many, their means and the residuals; of the longest logs nothing.
         """
         keep = self._kept(columns=columns)
         last = self._last
@@ -143,6 +144,8 @@ class Objective:
         return found
 
     def _kept(self, *, columns: bool) -> Keep:
+        if not (columns or self._bends):
+            return NO_COLUMNS
         if self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES):
             return ALL_COLUMNS
         if columns and self.problem.n_samples <= LONGEST_KEPT:
@@ -252,6 +255,7 @@ class Objective:
                 damping=damping,
             )
 
+        self._bends = bends
         point = np.clip(start, lower, upper)
         self.plans = self._plans(point)
         sums_first = not rough and self._entries > CHEAP_ENTRIES

@@ -15,11 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.muscle import KPA_PER_BAR
-from softid.kernels.start_value_scores import LANES, add_products
+from softid.kernels.start_value_scores import add_products
 from softid.models.division import held
 from softid.models.second_order import Law
 from softid.models.stretches import Stretch, thinned
-from softid.parallel import on_two_threads
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -66,10 +65,6 @@ and tells at once which way b2 wants."""
 
 ROUGH_SAMPLES = 500
 """Samples over which the wide grids are ranked: half the work, and the same basins."""
-
-LEAST_TOGETHER = 50_000
-"""Grid points times samples from which on another thread takes half of the points: that half then
-takes 0.08 ms, twice as long as to ask for it."""
 
 _MOST_DECAY_LENGTHS = 0.5
 """Longest time constant tried, over the longest stretch: a step is then 86 % done at its end."""
@@ -304,18 +299,9 @@ def _scored(
     assert form is not None
     thetas = rows * np.diag(form.by_theta)  # the kernels' parameters are in other units
     sums = np.zeros((len(rows), 3))
-    series = [tuple(map(held, (s.time_s, s.input, s.motion, s.used))) for s in stretches]
-
-    def add(part: slice) -> None:
-        for each in series:
-            arguments = (thetas[part], *each, sums[part])
-            add_products(*arguments)
-
-    half = -(-len(rows) // LANES) // 2 * LANES
-    if half * sum(s.time_s.size for s in stretches) >= LEAST_TOGETHER:
-        on_two_threads(lambda: add(slice(half)), lambda: add(slice(half, None)))
-    else:
-        add(slice(None))
+    for s in stretches:
+        time_s, u, y, used = map(held, (s.time_s, s.input, s.motion, s.used))
+        add_products(thetas, time_s, u, y, used, sums)
     cross, power, total = sums.T
     sound = (cross > 0.0) & (power > 0.0) & (power < np.inf)
     power = np.where(sound, power, 1.0)
