@@ -46,6 +46,13 @@ UNBLURRED = 0.25
 """Share of the power of the residual from which its rounding, q²/12, counts as long as a reading
 stays; noise of half a step blurs it."""
 
+SOME = 1000
+"""Readings, about, whose values are counted before all of them are looked at for a grid."""
+
+UNEVEN = 2.0
+"""Times as many values as fit into their range that a grid may show: where its step was changed or
+a reading lies beside it."""
+
 SILENT = 0.25
 """Noise at the end of a sensor's range, as a share of that elsewhere, below which it is clipped."""
 
@@ -316,10 +323,22 @@ def _rounding_of(problem: Problem, rows: Sequence[_Rows]) -> Rounding | None:
     readings = [_readings_of(problem, part) for part in rows]
     known = np.concatenate([values[np.isfinite(values)] for values in readings])
     residual = np.concatenate([part.residual for part in rows])
-    grid = find_quantisation(known) if known.size else None
-    if grid is None or grid.step**2 / 12.0 < UNBLURRED * float(np.nanmean(residual**2)):
+    if not known.size:
+        return None
+    least = float(np.sqrt(12.0 * UNBLURRED * np.nanmean(residual**2)))
+    grid = find_quantisation(known) if _may_be_as_coarse(known, least) else None
+    if grid is None or grid.step < least:
         return None
     return Rounding(grid.step, tuple(run_starts(values) for values in readings))
+
+
+def _may_be_as_coarse(readings: Array, step: float) -> bool:
+    """Whether readings show so few values that they may lie on a grid of this step.
+
+    Some of them soon tell: no two values of a grid are closer than its step.
+    """
+    some = np.unique(readings[:: max(1, readings.size // SOME)])
+    return bool((some.size - 1) * step <= UNEVEN * (some[-1] - some[0]))
 
 
 def _readings_of(problem: Problem, rows: _Rows) -> Array:
