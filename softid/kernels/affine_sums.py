@@ -51,21 +51,27 @@ def _add(w: Array, ends: Ends, stretch: int, apart: int, columns: Array) -> None
 
 @njit(nogil=True, error_model="numpy")
 def _begin(
-    left: float, tangent: Array, stretch: int, kept: Array, residual: Array, gram: Array
+    left: float, tangent: Array, stretch: int, kept: Array, residual: Array, first: Array
 ) -> None:
-    """What the first sample adds, at which no step ends."""
-    first = np.zeros(N_PADDED)
+    """The columns at the first sample, at which no step ends, and what is kept of them."""
     for p in range(N_PARAMETERS + N_STATES):
         first[p] = tangent[0, p]
     first[N_COLUMNS - 2], first[N_COLUMNS - 1] = 1.0, left
-    for a in range(N_PADDED):
-        for b in range(N_PADDED):
-            gram[a, b] = first[a] * first[b]
     if residual.size:
         residual[0] = left
     if kept.shape[1]:
         for a in range(N_COLUMNS):
             kept[a, 0] += first[a] / stretch
+
+
+@njit(nogil=True, error_model="numpy")
+def _take_outputs(w: Array, ends: Ends, y: Array, used: BoolArray) -> None:
+    """Which steps end on a sample that counts, and what was measured there."""
+    for i in range(LANES, POINTS):
+        k = ends[i]
+        counted = k >= 0 and used[k]
+        w[ONE + i] = 1.0 if counted else 0.0
+        w[RESIDUAL + i] = y[k] if counted else 0.0
 
 
 @kernel
@@ -125,19 +131,18 @@ def sum_products(
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
     now, now_by = state.copy(), tangent.copy()  # which nothing else can overlap
-    gram[:] = 0.0
+    first = np.zeros(N_PADDED)
     if used[0] and at[0] == 0 and at[1] == 0:
-        _begin(y[0] - level - gain * state[0], tangent, stretch, kept, residual, gram)
+        _begin(y[0] - level - gain * state[0], tangent, stretch, kept, residual, first)
+    for a in range(N_PADDED):
+        for b in range(N_PADDED):
+            gram[a, b] = first[a] * first[b]
     while blocks > 0 and at[0] < time_s.size - 1:
         blocks -= 1
         load(w, ends, time_s, u, counts, at)
         run(w, law, rule, theta, now)
         differentiate(w, rule, theta, now_by)
-        for i in range(LANES, POINTS):
-            k = ends[i]
-            counted = k >= 0 and used[k]
-            w[ONE + i] = 1.0 if counted else 0.0
-            w[RESIDUAL + i] = y[k] if counted else 0.0
+        _take_outputs(w, ends, y, used)
         select_ends(w, gain, level)
         add_gram(w, gram)
         for i in range(LANES, POINTS if residual.size else 0):
@@ -145,7 +150,10 @@ def sum_products(
                 residual[ends[i]] = w[RESIDUAL + i]
         if kept.shape[1]:
             _add(w, ends, stretch, apart, kept)
-    state[:], tangent[:] = now, now_by
+    for k in range(N_STATES):
+        state[k] = now[k]
+        for p in range(N_PARAMETERS + N_STATES):
+            tangent[k, p] = now_by[k, p]
     for a in range(N_COLUMNS):
         for b in range(a):
             gram[b, a] = gram[a, b]

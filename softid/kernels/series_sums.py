@@ -78,7 +78,8 @@ def difference_powers(a: Array, b: Array) -> tuple[float, float]:
     left = np.empty(CHUNK)
     for first in range(0, a.size, CHUNK):
         count = min(CHUNK, a.size - first)
-        left[:count] = a[first : first + count] - b[first : first + count]
+        for t in range(count):
+            left[t] = a[first + t] - b[first + t]
         whole += _squares(left[:count], 0.0)
         apart += _squares(left[:count], mean)
     return whole, apart
@@ -99,7 +100,8 @@ def innovation_power(values: Array, phi: Array) -> float:
     left = np.empty(CHUNK)
     for first in range(phi.size, values.size, CHUNK):
         count = min(CHUNK, values.size - first)
-        left[:count] = values[first : first + count]
+        for t in range(count):
+            left[t] = values[first + t]
         for j in range(phi.size):
             for t in range(count):
                 left[t] -= phi[j] * values[first + t - j - 1]
