@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.even_times import even_interval_s
-from softid.kernels.input_moves import moves_of_at_least
+from softid.long_series import moves_of_at_least
 
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -108,26 +108,18 @@ def jumps(values: Array) -> IntArray:
     """
     if values.size < 3:
         return np.empty(0, np.int64)
-    held = np.ascontiguousarray(values)
-    least = max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny)
-    found = np.empty(_moves_of(held, least), np.int64)
-    moves_of_at_least(held, least, found)
-    moves, last = np.abs(held[found + 1] - held[found]), held.size - 2
-    before = np.where(found > 0, np.abs(held[found] - held[found - 1]), 0.0)
-    behind = np.minimum(found + 2, last + 1)  # the last sample twice, which moves nothing
-    after = np.abs(held[behind] - held[found + 1])
+    found = moves_of_at_least(values, max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny))
+    moves, count = np.abs(values[found + 1] - values[found]), values.size - 1
+    before = np.where(found > 0, np.abs(values[found] - values[found - 1]), 0.0)
+    after = np.abs(values[np.minimum(found + 2, count)] - values[found + 1])  # none after the last
     is_jump = np.maximum(before, after) <= FLAT * moves
     found, moves = found[is_jump], moves[is_jump]
     if found.size == 0:
         return found
     noise = np.nextafter(float(moves.min()) / ABOVE_NOISE, np.inf)
-    if 2 * (last + 1 - _moves_of(held, noise)) <= last + 2:  # else the median is less
-        found = found[moves >= ABOVE_NOISE * float(np.median(np.abs(np.diff(held))))]
+    if 2 * (count - moves_of_at_least(values, noise).size) <= count + 1:  # else the median is less
+        found = found[moves >= ABOVE_NOISE * float(np.median(np.abs(np.diff(values))))]
     return found
-
-
-def _moves_of(values: Array, least: float) -> int:
-    return int(moves_of_at_least(values, least, np.empty(0, np.int64)))
 
 
 def is_abrupt(values: Array) -> npt.NDArray[np.bool_]:

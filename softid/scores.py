@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
-from softid.kernels.series_sums import difference_powers, mean_and_power
+from softid.long_series import difference_powers, power_about
 from softid.results import FitStatistics
 
 Array = npt.NDArray[np.float64]
@@ -91,7 +91,7 @@ def fit_statistics(
 
 def _spread(y: Array) -> float:
     """‖y − mean y‖², zero for a constant."""
-    return mean_and_power(y)[1] if np.ptp(y) > 0.0 else 0.0
+    return power_about(y, float(y.mean())) if np.ptp(y) > 0.0 else 0.0
 
 
 def _nrmse(square: float, spread: float) -> float:

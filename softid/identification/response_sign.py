@@ -14,11 +14,10 @@ from softid.fitters.problem import Problem
 from softid.identification.log_beginning import beginning
 from softid.identification.preparation import units_of
 from softid.kernels.filters import lag
-from softid.kernels.series_sums import joint_powers
 from softid.log import Log, LogSet
+from softid.long_series import joint_powers
 from softid.models import MODELS
 from softid.models.base import Model
-from softid.models.division import held
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -145,7 +144,7 @@ def correlation(logs: LogSet, *, lag_s: float = 0.0) -> float:
             continue
         rows = slice(None) if used.all() else used
         u, y = _behind_lag(segment, lag_s), segment.outputs[logs.outputs[0]]
-        products = joint_powers(held(u[rows]), held(y[rows]))
+        products = joint_powers(u[rows], y[rows])
         cross, inputs, outputs = cross + products[0], inputs + products[1], outputs + products[2]
     if inputs == 0 or outputs == 0:
         return 0.0

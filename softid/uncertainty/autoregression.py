@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
-from softid.kernels.series_sums import innovation_power
+from softid.long_series import innovation_power
 from softid.uncertainty.burg import burg
 
 Array = npt.NDArray[np.float64]
