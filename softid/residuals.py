@@ -254,19 +254,24 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     if n < 2:
         raise InputError("fewer than two residuals are used", value=n, remedy="mask fewer samples")
     freedom = lags - fitted_parameters
-    there = residual if n == residual.size else residual[used]
-    if float(np.ptp(there)) == 0.0:
+    span, level = _span_and_mean(residual if n == residual.size else residual[used])
+    if span == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
     if n == residual.size:
         sums = np.zeros(lags + 1)
-        add_lagged_products(residual, residual, float(residual.mean()), sums)
+        add_lagged_products(residual, residual, level, sums)
     else:
-        centred = np.where(used, residual - there.mean(), 0.0)
+        centred = residual - level
+        centred[~used] = 0.0
         sums = _lagged_sums(centred, centred, lags)
     pairs = _lagged_pairs(used, used, lags)
     any_pair = pairs[1:] > 0
     q = float(n * (n + 2.0) * np.sum((sums[1:][any_pair] / sums[0]) ** 2 / pairs[1:][any_pair]))
     return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
+
+
+def _span_and_mean(values: Array) -> tuple[float, float]:
+    return float(np.ptp(values)), float(values.mean())
 
 
 def _check_lag(max_lag: int, n: int) -> None:
