@@ -83,12 +83,15 @@ def strongest_partner(covariance: Covariance, name: str) -> tuple[str, float] | 
         Name and correlation; None where nothing is determined besides.
     """
     index = covariance.names.index(name)
-    row = correlation(covariance.matrix)[index]
-    row[index] = np.nan
-    if not np.isfinite(row).any():
+    variance = np.diag(covariance.matrix)
+    there = np.flatnonzero(variance > 0.0)  # never so for NaN
+    there = there[there != index]
+    if not variance[index] > 0.0 or not there.size:
         return None
-    other = int(np.nanargmax(np.abs(row)))
-    return covariance.names[other], float(row[other])
+    row = covariance.matrix[index, there] / np.sqrt(variance[index] * variance[there])
+    strongest = int(np.argmax(np.abs(row)))
+    value = min(max(float(row[strongest]), -1.0), 1.0)
+    return covariance.names[there[strongest]], value
 
 
 def companions(covariance: Covariance, name: str) -> tuple[str, ...]:
