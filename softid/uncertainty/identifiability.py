@@ -51,22 +51,6 @@ def condition_number(jacobian: Array) -> float:
     return float(singular[0] / singular[-1]) if singular[-1] > floor else float("inf")
 
 
-def correlation(covariance: Array) -> Array:
-    """Correlation matrix of a covariance, both of shape (K, K); NaN where it is not determined.
-
-    Examples
-    --------
-    >>> correlation(np.array([[4.0, -1.0], [-1.0, 1.0]])).tolist()
-    [[1.0, -0.5], [-0.5, 1.0]]
-    """
-    variance = np.diag(covariance)
-    known = variance > 0.0
-    sd = np.sqrt(np.where(known, variance, 1.0))
-    out = np.clip(covariance / np.outer(sd, sd), -1.0, 1.0)
-    out[~known] = out[:, ~known] = np.nan
-    return np.asarray(out, dtype=np.float64)
-
-
 def strongest_partner(covariance: Covariance, name: str) -> tuple[str, float] | None:
     """The estimate that is most correlated with one of them.
 
