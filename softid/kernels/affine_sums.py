@@ -65,6 +65,16 @@ def _begin(
 
 
 @njit(nogil=True, error_model="numpy")
+def _enter(counts: Counts, at: Ends) -> None:
+    """Move on to the interval in which a step lies that is counted from an earlier one."""
+    interval, within = at[0], at[1]
+    while interval < counts.size and within >= counts[interval]:
+        within -= counts[interval]
+        interval += 1
+    at[0], at[1] = interval, within
+
+
+@njit(nogil=True, error_model="numpy")
 def _take_outputs(w: Array, ends: Ends, y: Array, used: BoolArray) -> None:
     """Which steps end on a sample that counts, and what was measured there."""
     for i in range(LANES, POINTS):
@@ -107,8 +117,8 @@ def sum_products(
     gain, level
         The simulated output is gain·x + level.
     at
-        Interval and step within it that the run begins with; receives what it would go on with,
-        shape (2,).
+        Interval and step, counted from its beginning, that the run begins with; receives the
+        interval and the step within it that it would go on with, shape (2,).
     blocks
         Blocks of steps that are run through at most.
     state, tangent
@@ -137,6 +147,7 @@ def sum_products(
     for a in range(N_PADDED):
         for b in range(N_PADDED):
             gram[a, b] = first[a] * first[b]
+    _enter(counts, at)
     while blocks > 0 and at[0] < time_s.size - 1:
         blocks -= 1
         load(w, ends, time_s, u, counts, at)
@@ -159,28 +170,7 @@ def sum_products(
             gram[b, a] = gram[a, b]
 
 
-@kernel
-def find_step(counts: Counts, step: int, at: Ends) -> None:
-    """The interval in which a step lies, and the number of the step within it.
-
-    Parameters
-    ----------
-    counts
-        Steps per sampling interval, shape (n − 1,).
-    step
-        Number of the step, from 0 on and less than there are.
-    at
-        Receives both, shape (2,).
-    """
-    interval, before = 0, 0
-    while before + counts[interval] <= step:
-        before += counts[interval]
-        interval += 1
-    at[0], at[1] = interval, step - before
-
-
 SOURCES = (*affine_simulation.SOURCES, affine_simulation, affine_products)
 """All that the kernels are compiled from, beside this file."""
 
-for _kernel in (sum_products, find_step):
-    follow_sources(_kernel, SOURCES)
+follow_sources(sum_products, SOURCES)

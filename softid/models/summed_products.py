@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.affine_blocks import N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, STEPS
-from softid.kernels.affine_sums import find_step, sum_products
+from softid.kernels.affine_sums import sum_products
 from softid.models.division import Division, divide, held
 from softid.models.products import Keep, Products
 from softid.models.second_order import Law, affine_run
@@ -49,7 +49,7 @@ class _Place:
     Attributes
     ----------
     at
-        Interval and step within it that come next, shape (2,).
+        Interval and step, counted from its beginning, that come next, shape (2,).
     state, tangent
         (x, v) there and its derivatives, of shapes (2,) and (2, 9).
     """
@@ -59,12 +59,10 @@ class _Place:
     tangent: Array
 
     @classmethod
-    def from_nothing(cls, counts: npt.NDArray[np.int16], step: int) -> _Place:
+    def from_nothing(cls, step: int) -> _Place:
         """The beginning of a step, with nothing known of the motion there."""
-        at = np.empty(2, np.int64)
-        find_step(counts, step, at)
-        width = N_PARAMETERS + N_STATES
-        return cls(at, np.zeros(N_STATES), np.eye(N_STATES, width, N_PARAMETERS))
+        tangent = np.eye(N_STATES, N_PARAMETERS + N_STATES, N_PARAMETERS)
+        return cls(np.array([0, step], np.int64), np.zeros(N_STATES), tangent)
 
     def forgets(self) -> bool:
         """Whether nothing is left of the state that it began with; what is, is then dropped."""
@@ -101,14 +99,14 @@ class _Sums:
         sum_products(*arguments)
         return gram
 
-    def by_halves(self, begin: _Place, counts: npt.NDArray[np.int16], steps: int) -> Array:
+    def by_halves(self, begin: _Place, steps: int) -> Array:
         """The products of the whole log, of which the kept have a column to spare."""
         half = steps // STEPS // 2
         run_in = half // RUN_IN_SHARE
         nothing = _Sums(self._course, 0, np.empty((N_COLUMNS, 0)), np.empty(0))
 
         def second() -> tuple[Array, int] | None:
-            place = _Place.from_nothing(counts, (half - run_in) * STEPS)
+            place = _Place.from_nothing((half - run_in) * STEPS)
             nothing.along(place, run_in)
             if not place.forgets():
                 return None
@@ -165,7 +163,7 @@ def sum_law(
     left = np.zeros(y.size if keep.residual else 0)
     sums = _Sums((*run.arguments[:6], y, used, gain, level), keep.stretch, kept, left)
     begin = _Place(np.zeros(2, np.int64), run.arguments[6], run.tangent)
-    gram = sums.by_halves(begin, plan.counts, plan.steps) if by_halves else sums.along(begin)
+    gram = sums.by_halves(begin, plan.steps) if by_halves else sums.along(begin)
     columns = kept[:, :stretches] if stretches else None
     return Products(
         gram[:N_COLUMNS, :N_COLUMNS].copy(),
