@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.even_times import even_interval_s
+from softid.long_series import moves_of_at_least
 
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -105,18 +106,19 @@ def jumps(values: Array) -> IntArray:
     >>> jumps(np.array([0.0, 0.0, 20.0, 50.0, 50.0, 50.0])).tolist()
     []
     """
-    moves = np.abs(np.diff(values))
-    if moves.size < 2:
+    if values.size < 3:
         return np.empty(0, np.int64)
-    before = np.concatenate(([0.0], moves[:-1]))
-    after = np.concatenate((moves[1:], [0.0]))
-    large = (moves > 0.0) & (moves >= SMALLEST * float(np.ptp(values)))
-    found = np.flatnonzero(large & (np.maximum(before, after) <= FLAT * moves))
+    found = moves_of_at_least(values, max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny))
+    moves, count = np.abs(values[found + 1] - values[found]), values.size - 1
+    before = np.where(found > 0, np.abs(values[found] - values[found - 1]), 0.0)
+    after = np.abs(values[np.minimum(found + 2, count)] - values[found + 1])  # none after the last
+    is_jump = np.maximum(before, after) <= FLAT * moves
+    found, moves = found[is_jump], moves[is_jump]
     if found.size == 0:
         return found
-    noise = float(moves[found].min()) / ABOVE_NOISE
-    if 2 * int(np.count_nonzero(moves <= noise)) <= moves.size + 1:  # else the median is less
-        found = found[moves[found] >= ABOVE_NOISE * float(np.median(moves))]
+    noise = np.nextafter(float(moves.min()) / ABOVE_NOISE, np.inf)
+    if 2 * (count - moves_of_at_least(values, noise).size) <= count + 1:  # else the median is less
+        found = found[moves >= ABOVE_NOISE * float(np.median(np.abs(np.diff(values))))]
     return found
 
 

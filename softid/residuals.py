@@ -254,15 +254,24 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     if n < 2:
         raise InputError("fewer than two residuals are used", value=n, remedy="mask fewer samples")
     freedom = lags - fitted_parameters
-    if float(np.ptp(residual[used])) == 0.0:
+    span, level = _span_and_mean(residual if n == residual.size else residual[used])
+    if span == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
-    centred = residual - np.mean(residual, where=used)
-    centred[~used] = 0.0
-    sums = _lagged_sums(centred, centred, lags)
+    if n == residual.size:
+        sums = np.zeros(lags + 1)
+        add_lagged_products(residual, residual, level, sums)
+    else:
+        centred = residual - level
+        centred[~used] = 0.0
+        sums = _lagged_sums(centred, centred, lags)
     pairs = _lagged_pairs(used, used, lags)
-    there = pairs[1:] > 0
-    q = float(n * (n + 2.0) * np.sum((sums[1:][there] / sums[0]) ** 2 / pairs[1:][there]))
+    any_pair = pairs[1:] > 0
+    q = float(n * (n + 2.0) * np.sum((sums[1:][any_pair] / sums[0]) ** 2 / pairs[1:][any_pair]))
     return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
+
+
+def _span_and_mean(values: Array) -> tuple[float, float]:
+    return float(np.ptp(values)), float(values.mean())
 
 
 def _check_lag(max_lag: int, n: int) -> None:
@@ -299,7 +308,7 @@ def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
     """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform unless k are few."""
     if max_lag < min(first.size, FEW_LAGS):
         sums = np.zeros(max_lag + 1)
-        add_lagged_products(first, second, sums)
+        add_lagged_products(first, second, 0.0, sums)
         return sums
     size = 1 << int(first.size + max_lag).bit_length()
     spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)

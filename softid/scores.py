@@ -5,10 +5,13 @@ Plain arrays in; a NaN on either side is a sample that does not count.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
+from softid.long_series import difference_powers, power_about
 from softid.results import FitStatistics
 
 Array = npt.NDArray[np.float64]
@@ -18,7 +21,7 @@ BoolArray = npt.NDArray[np.bool_]
 def fit_percent(measured: Array, simulated: Array) -> float:
     """Fit 100 (1 − ‖y − ŷ‖/‖y − mean y‖), as MATLAB's ``compare``; NaN for a constant y."""
     y, s = _pairs(measured, simulated)
-    return 100.0 * (1.0 - _nrmse(y, y - s))
+    return 100.0 * (1.0 - _nrmse(difference_powers(y, s)[0], _spread(y)))
 
 
 def fit_statistics(
@@ -67,8 +70,8 @@ def fit_statistics(
     """
     whole = measured if used is None or used.all() else np.where(used, measured, np.nan)
     y, s = _pairs(whole, simulated, where=f"{log}, {channel}")
-    error = y - s
-    relative = _nrmse(y, error)
+    (square, apart), spread = difference_powers(y, s), _spread(y)
+    relative = _nrmse(square, spread)
     return FitStatistics(
         log=log,
         channel=channel,
@@ -76,26 +79,29 @@ def fit_statistics(
         in_sample=in_sample,
         kind="simulated",
         n=y.size,
-        rmse=float(np.sqrt(np.mean(error**2))),
+        rmse=math.sqrt(square / y.size),
         nrmse=relative,
         fit_percent=100.0 * (1.0 - relative),
         r2=1.0 - relative**2,
-        vaf=_vaf(y, error),
+        vaf=_vaf(apart, spread),
         display_unit=unit if display_unit is None else display_unit,
         display_factor=display_factor,
     )
 
 
-def _nrmse(y: Array, error: Array) -> float:
-    """Normalised error ‖y − ŷ‖/‖y − mean y‖."""
-    spread = float(np.linalg.norm(y - y.mean())) if np.ptp(y) > 0.0 else 0.0
-    return float(np.linalg.norm(error)) / spread if spread > 0.0 else float("nan")
+def _spread(y: Array) -> float:
+    """‖y − mean y‖², zero for a constant."""
+    return power_about(y, float(y.mean())) if np.ptp(y) > 0.0 else 0.0
 
 
-def _vaf(y: Array, error: Array) -> float:
-    """Variance accounted for, 100 (1 − var(y − ŷ)/var y)."""
-    variance = float(np.var(y)) if np.ptp(y) > 0.0 else 0.0
-    return 100.0 * (1.0 - float(np.var(error)) / variance) if variance > 0.0 else float("nan")
+def _nrmse(square: float, spread: float) -> float:
+    """Normalised error ‖y − ŷ‖/‖y − mean y‖, from the squares of both."""
+    return math.sqrt(square / spread) if spread > 0.0 else float("nan")
+
+
+def _vaf(square: float, spread: float) -> float:
+    """Variance accounted for, 100 (1 − var(y − ŷ)/var y), from both times the samples."""
+    return 100.0 * (1.0 - square / spread) if spread > 0.0 else float("nan")
 
 
 def _pairs(measured: Array, simulated: Array, where: str | None = None) -> tuple[Array, Array]:

@@ -129,19 +129,26 @@ def with_rows(segment: Segment, knot_s: Array, level: Array) -> Segment:
     segment
         A stretch; none of its rows is at the time of a new one.
     knot_s, level
-        Times and input of the rows, each of shape (m,).
+        Times and input of the rows, in order of time, each of shape (m,).
     """
     if knot_s.size == 0:
         return segment
-    places = np.searchsorted(segment.time_s, knot_s)
-    rows = np.ones(segment.time_s.size, bool) if segment.is_sample is None else segment.is_sample
+    places = np.searchsorted(segment.time_s, knot_s) + np.arange(knot_s.size)
+    is_old = np.ones(segment.time_s.size + knot_s.size, bool)
+    is_old[places] = False
+
+    def inserted(old: npt.NDArray[Any], new: npt.ArrayLike) -> npt.NDArray[Any]:
+        whole = np.empty(is_old.size, old.dtype)
+        whole[is_old], whole[places] = old, new
+        return whole
+
     return replace(
         segment,
-        time_s=np.insert(segment.time_s, places, knot_s),
-        input=np.insert(segment.input, places, level),
-        outputs={name: np.insert(y, places, np.nan) for name, y in segment.outputs.items()},
-        used={name: np.insert(used, places, False) for name, used in segment.used.items()},
-        is_sample=np.insert(rows, places, False),
+        time_s=inserted(segment.time_s, knot_s),
+        input=inserted(segment.input, level),
+        outputs={name: inserted(y, np.nan) for name, y in segment.outputs.items()},
+        used={name: inserted(used, False) for name, used in segment.used.items()},
+        is_sample=is_old if segment.is_sample is None else inserted(segment.is_sample, False),
     )
 
 

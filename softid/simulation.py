@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -89,6 +89,33 @@ def simulate(
                     where=log.place,
                     remedy="check the parameter values and the unit of the input",
                 )
+    return _simulation(log, simulated, used)
+
+
+def simulation_left(log: Log, residuals: Mapping[str, Sequence[Array]]) -> Simulation:
+    """The simulation of a log of which a fit has left residuals at every sample.
+
+    Parameters
+    ----------
+    log
+        The log.
+    residuals
+        Output channel → measured less simulated, one array per segment, shape (n_s,).
+    """
+    simulated = {name: np.full(len(log), np.nan) for name in log.outputs}
+    used = {name: np.zeros(len(log), bool) for name in log.outputs}
+    for k, segment in enumerate(log.segments()):
+        span = slice(segment.start, segment.stop)
+        for name in log.outputs:
+            measured = segment.samples_of(segment.outputs[name])
+            np.subtract(measured, residuals[name][k], out=simulated[name][span])
+            used[name][span] = segment.samples_of(segment.used[name])
+    return _simulation(log, simulated, used)
+
+
+def _simulation(
+    log: Log, simulated: Mapping[str, Array], used: Mapping[str, npt.NDArray[np.bool_]]
+) -> Simulation:
     return Simulation(
         log=log.name,
         time_s=log.time_s,

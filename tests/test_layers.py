@@ -20,7 +20,7 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "interrupts"),
-    ("units", "kernels", "parallel", "even_times", "toml_files"),
+    ("units", "kernels", "parallel", "even_times", "long_series", "toml_files"),
     ("channels", "chi_square", "fingerprint", "intersample", "tie_expressions"),
     ("segment",),
     ("log", "parameters", "results"),

@@ -64,6 +64,6 @@ def _determined(problem: Problem, found: Minimum) -> bool:
 
 def _white(residuals: list[Array]) -> bool:
     n = sum(r.size for r in residuals)
-    if n < FEWEST_RESIDUALS or not any(r.any() for r in residuals):
+    if n < FEWEST_RESIDUALS or not any(np.ptp(r) > 0.0 for r in residuals):
         return False
     return n * squared_autocorrelation(residuals, TESTED_LAGS) <= largest_sum(WHITE_SDS)

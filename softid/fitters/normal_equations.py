@@ -1,9 +1,8 @@
 """Cost and normal equations of an output-error problem, summed without a Jacobian where possible.
 
-Every output channel of every segment contributes a piece: columns C (derivatives, one, residual)
-that are seldom seen, their products G = C Cᵀ, and the weights T with which they make up the
-Jacobian, J = Cᵀ T. Then JᵀJ = Tᵀ G T and Jᵀr = Tᵀ G t, t making up the residual. A sensor zero
-moves to its optimum by changing t, no sample being visited again.
+Every output channel of every segment contributes a piece, with products G and weights T of its
+columns (`softid.fitters.pieces`). Then JᵀJ = Tᵀ G T and Jᵀr = Tᵀ G t, t making up the residual. A
+sensor zero moves to its optimum by changing t, no sample being visited again.
 """
 
 from __future__ import annotations
@@ -16,9 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import NormalEquations
+from softid.fitters.pieces import Piece, piece_of_block, piece_of_products
 from softid.fitters.problem import Block, Problem
+from softid.kernels.affine_blocks import N_COLUMNS
+from softid.kernels.equation_sums import add_equations
 from softid.models.division import Division
-from softid.models.products import Keep, Products
+from softid.models.products import NO_COLUMNS, Keep, Products
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -27,80 +29,13 @@ IndexArray = npt.NDArray[np.intp]
 KEPT_ENTRIES = 8_000_000
 """Largest Jacobian that is kept whole (64 MB) where it is made anyway."""
 
+WIDEST_MEANS = 2
+"""Every log brings a zero of its own, so that rows of many logs are long; averages over so many
+times the samples make up for that, and no more, for they would miss too much."""
+
 SUMMED_ENTRIES = 100_000
 """Largest Jacobian that is kept where a kernel sums its products (1 MB): a larger one would take
 several times the log's own memory."""
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """One output channel over one segment.
-
-    Attributes
-    ----------
-    channel, segment
-        Output channel, and index in `Problem.segments`.
-    gram
-        Products of the columns, the last two being one and the residual, shape (C, C).
-    moved_by
-        The unknowns that move it, in order: of the zeros and initial states only its own, shape
-        (P,).
-    jacobian
-        Weights with which the columns make up ∂(simulated)/∂(those), shape (C, P).
-    residual
-        Weights with which they make up the residual, shape (C,).
-    columns
-        The columns at every sample, zero where it is not used, shape (C, n), or the last of them
-        alone, shape (1, n), or None.
-    summed
-        Whether a kernel summed the products, which it does for an output on a line in a motion that
-        is affine in its state.
-    """
-
-    channel: str
-    segment: int
-    gram: Array
-    moved_by: IndexArray
-    jacobian: Array
-    residual: Array
-    columns: Array | None
-    summed: bool = False
-
-    def by(self, unknowns: IndexArray) -> Array:
-        """The weights for unknowns of which some may not move it, shape (C, V).
-
-        Parameters
-        ----------
-        unknowns
-            Their indices, shape (V,).
-        """
-        weights = np.zeros((self.gram.shape[0], unknowns.size))
-        mine, theirs = np.nonzero(self.moved_by[:, None] == unknowns)
-        weights[:, theirs] = self.jacobian[:, mine]
-        return weights
-
-    @property
-    def kept(self) -> bool:
-        """Whether all columns are there."""
-        return self.columns is not None and len(self.columns) == len(self.gram)
-
-    @property
-    def residuals(self) -> Array:
-        """The residual at every sample, anything where it is not used, shape (n,)."""
-        assert self.columns is not None
-        found: Array = self.columns[-1] + self.residual[-2]  # all of them follow their zero
-        return found
-
-    @property
-    def squares(self) -> tuple[float, int]:
-        """Σr² and the number of residuals."""
-        return max(float(self.residual @ self.gram @ self.residual), 0.0), self.count
-
-    @property
-    def count(self) -> int:
-        """Number of residuals."""
-        count = float(self.gram[-2, -2])
-        return round(count) if math.isfinite(count) else 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,21 +67,29 @@ class Linearised(NormalEquations):
         return all(piece.kept for piece in self.pieces)
 
     @property
+    def has_means(self) -> bool:
+        """Whether means of the columns of all pieces over stretches of samples are there."""
+        return all(piece.counts is not None for piece in self.pieces)
+
+    @property
     def has_residuals(self) -> bool:
         """Whether the residuals of all pieces are there."""
-        return all(piece.columns is not None for piece in self.pieces)
+        return all(piece.has_residuals for piece in self.pieces)
+
+    def at_used(self, piece: Piece, values: Array) -> Array:
+        """Those of values at every sample, or of rows of them, that a piece uses."""
+        used = self.problem.segments[piece.segment].used[piece.channel]
+        return values if used.all() else values[used]
 
     def blocks(self, *, derivatives: bool) -> list[Block]:
         """Residuals at the used samples, and Jacobians if asked, where they were kept."""
         blocks = []
         for piece in self.pieces:
-            assert piece.columns is not None
-            used = self.problem.segments[piece.segment].used[piece.channel]
-            kept = slice(None) if used.all() else used
-            residual, jacobian = piece.residuals[kept], None
+            residual, jacobian = self.at_used(piece, piece.residuals), None
             if derivatives:
+                assert piece.columns is not None
                 weights = piece.by(np.arange(self.problem.size))
-                jacobian = (piece.columns.T @ weights)[kept]
+                jacobian = self.at_used(piece, piece.columns.T @ weights)
             blocks.append(Block(piece.channel, piece.segment, residual, jacobian))
         return blocks
 
@@ -166,6 +109,22 @@ class Linearised(NormalEquations):
             residual[-2] -= z[zero] - self.point[zero]
             pieces.append(replace(piece, residual=residual))
         return replace(self, point=z, pieces=tuple(pieces))
+
+
+def means_of(problem: Problem, *, residual: bool = False) -> Keep:
+    """Means of columns over so many samples that they take no more memory than the logs do.
+
+    Parameters
+    ----------
+    problem
+        What to fit.
+    residual
+        As in `Keep`.
+    """
+    rows, channels = sum(s.time_s.size for s in problem.segments), len(problem.outputs)
+    width = min(max(N_COLUMNS, problem.size), WIDEST_MEANS * N_COLUMNS)
+    stretch = -(-rows * channels * width // min(KEPT_ENTRIES, rows * (2 + channels)))
+    return Keep(stretch, residual)
 
 
 def linearise(
@@ -214,13 +173,12 @@ def _summed_at_best_zeros(
     cost, n = 0.0, 0
     gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
     for piece in pieces:
-        weight, mine = 1.0 / sigma[piece.channel] ** 2, piece.moved_by
-        pushed = piece.gram @ piece.residual
-        cost += 0.5 * weight * max(float(piece.residual @ pushed), 0.0)
-        gradient[mine] += weight * (piece.jacobian.T @ pushed)
-        matrix[mine[:, None], mine] += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
+        weight = 1.0 / sigma[piece.channel] ** 2
+        columns = piece.gram, piece.jacobian, piece.residual
+        squares, is_finite = add_equations(*columns, piece.moved_by, weight, gradient, matrix)
+        cost += 0.5 * weight * max(squares, 0.0) if is_finite else np.inf
         n += piece.count
-    if not np.isfinite(cost + float(gradient.sum()) + float(matrix.sum())):
+    if not np.isfinite(cost):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
     return Linearised(moved, cost, gradient, matrix, n, tuple(pieces), plans, problem)
 
@@ -283,7 +241,7 @@ def _products_with(
     plan = plans[piece.segment] if plans is not None else None
     shifted = replace(segment, outputs={**segment.outputs, piece.channel: measured})
     place = piece.segment, piece.channel
-    products = _products(problem, z, problem.theta(z), place, shifted, plan, keep=0)
+    products = _products(problem, z, problem.theta(z), place, shifted, plan, keep=NO_COLUMNS)
     assert products is not None
     return products.gram[:, -1] - piece.gram @ piece.residual
 
@@ -303,11 +261,11 @@ def _pieces(
         if any(products is None for products in summed):
             blocks = problem.blocks(z, derivatives=True, plans=plans, only=k)
             few = problem.n_samples * problem.size <= KEPT_ENTRIES
-            found.extend(_from_block(problem, block, keep=few) for block in blocks)
+            found.extend(piece_of_block(problem, block, keep=few) for block in blocks)
             continue
         for name, products in zip(problem.outputs, summed, strict=True):
             assert products is not None
-            found.append(_from_products(problem, chain, k, name, products))
+            found.append(piece_of_products(problem, chain, k, name, products))
     return found
 
 
@@ -334,49 +292,6 @@ def _products(
         zero=float(z[zero]) if problem.zeros else 0.0,
         keep=keep,
     )
-
-
-def _from_products(
-    problem: Problem, chain: Array, segment: int, channel: str, products: Products
-) -> Piece:
-    at = _moved_by(problem, segment, channel)
-    inner, free, states = (
-        len(products.by_theta),
-        len(problem.free),
-        problem.state_positions(segment),
-    )
-    jacobian, residual = np.zeros((len(products.gram), at.size)), np.zeros(len(products.gram))
-    jacobian[:inner, :free] = products.by_theta @ chain
-    if problem.zeros:
-        jacobian[-2, free] = 1.0
-    if states:
-        jacobian[inner:-2, -len(states) :] = products.by_state[:, : len(states)]
-    residual[-1] = 1.0
-    columns = products.columns
-    return Piece(channel, segment, products.gram, at, jacobian, residual, columns, summed=True)
-
-
-def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
-    assert block.jacobian is not None
-    used = problem.segments[block.segment].used[block.channel]
-    at = _moved_by(problem, block.segment, block.channel)
-    columns = np.vstack([block.jacobian.T[at], np.ones(block.residual.size), block.residual])
-    jacobian = np.eye(columns.shape[0], at.size)
-    residual = np.zeros(columns.shape[0])
-    residual[-1] = 1.0
-    last = columns if keep else columns[-1:]
-    spread = np.zeros((len(last), used.size))
-    spread[:, used] = last
-    gram = columns @ columns.T
-    return Piece(block.channel, block.segment, gram, at, jacobian, residual, spread)
-
-
-def _moved_by(problem: Problem, segment: int, channel: str) -> IndexArray:
-    """The unknowns that move an output channel over a segment, in order."""
-    places = list(range(len(problem.free)))
-    if problem.zeros:
-        places.append(problem.zero_position(problem.owner[segment], channel))
-    return np.array([*places, *problem.state_positions(segment)], np.intp)
 
 
 def _best_zeros(problem: Problem, z: Array, pieces: Sequence[Piece]) -> Array:

@@ -16,10 +16,16 @@ from softid.fitters.levenberg_marquardt import (
     next_point,
     offset_within,
 )
-from softid.fitters.normal_equations import SUMMED_ENTRIES, Linearised, bend, linearise
+from softid.fitters.normal_equations import (
+    SUMMED_ENTRIES,
+    Linearised,
+    bend,
+    linearise,
+    means_of,
+)
 from softid.fitters.problem import Problem
 from softid.models.division import Division
-from softid.models.products import Keep
+from softid.models.products import ALL_COLUMNS, NO_COLUMNS, Keep
 
 Array = npt.NDArray[np.float64]
 
@@ -56,8 +62,8 @@ CHEAP_ENTRIES = 50_000
 one the columns are kept where they are asked for at the end."""
 
 LONGEST_KEPT = 300_000
-"""Samples up to which the last evaluation keeps its residuals: the column saves a simulation,
-and takes a third of the memory of a log of three channels."""
+"""Samples up to which the last evaluation keeps its residuals and the means of its columns: they
+save the errors an evaluation, and take the memory of the log and a third."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +102,7 @@ class Objective:
         self._last: Linearised | None = None
         self._asked = np.empty(0)  # where the last was asked for, before its zeros moved
         self._weighted: dict[str, float] = {}
+        self._bends = True
         self._planned: tuple[Array, list[Division | None]] | None = None
 
     def __call__(self, z: Array) -> NormalEquations:
@@ -115,28 +122,35 @@ class Objective:
     def _at(self, z: Array, *, columns: bool = False) -> Linearised:
         """The normal equations without the prior; the last ones are kept, to begin a run with.
 
-        Columns are kept where that is cheap, and where they are asked for; where they would be too
-        many, the residuals; of the longest logs neither.
+        Columns are kept where that is cheap and a step may bend, and where they are asked for;
+        where they would be too many, their means and the residuals; of the longest logs nothing.
         """
-        keeps = self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES)
-        is_long = self.problem.n_samples > LONGEST_KEPT
-        keep: Keep = 1 if keeps else "residual" if columns and not is_long else 0
+        keep = self._kept(columns=columns)
         last = self._last
         if (
             last is not None
             and self.plans is not None
             and last.plans is not None
-            and (np.array_equal(z, last.point) or np.array_equal(z, self._asked))
+            and z.tobytes() in (last.point.tobytes(), self._asked.tobytes())
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
-            and (last.kept or not keeps)
-            and (last.has_residuals or keep != "residual")
+            and (last.kept or keep != ALL_COLUMNS)
+            and (last.has_residuals or not keep.residual)
         ):
             return last
         self.evaluations += 1
         found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
         self._last, self._asked, self._weighted = found, z, dict(self.sigma)
         return found
+
+    def _kept(self, *, columns: bool) -> Keep:
+        if not (columns or self._bends):
+            return NO_COLUMNS
+        if self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES):
+            return ALL_COLUMNS
+        if columns and self.problem.n_samples <= LONGEST_KEPT:
+            return means_of(self.problem, residual=True)
+        return NO_COLUMNS
 
     @property
     def _entries(self) -> int:
@@ -183,7 +197,7 @@ class Objective:
     def _plans(self, z: Array) -> list[Division | None]:
         """Steps at ``z``; zeros and initial states, which follow the parameters, change none."""
         free = z[: len(self.problem.free)]
-        if self._planned is None or not np.array_equal(free, self._planned[0]):
+        if self._planned is None or free.tobytes() != self._planned[0].tobytes():
             self._planned = free.copy(), self.problem.plans(z)
         return self._planned[1]
 
@@ -241,6 +255,7 @@ class Objective:
                 damping=damping,
             )
 
+        self._bends = bends
         point = np.clip(start, lower, upper)
         self.plans = self._plans(point)
         sums_first = not rough and self._entries > CHEAP_ENTRIES

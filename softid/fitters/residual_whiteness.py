@@ -55,7 +55,7 @@ def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
     """
     products = np.zeros(lags + 1)
     for r in residuals:
-        add_lagged_products(r, r, products)
+        add_lagged_products(r, r, float(r.mean()), products)
     power = float(products[0])
     return float(np.sum((products[1:] / power) ** 2)) if power > 0.0 else 0.0
 
@@ -63,7 +63,7 @@ def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
 def residuals_by_channel(
     problem: Problem, z: Array, known: NormalEquations | None = None
 ) -> list[list[Array]]:
-    """Residuals of every segment less their means, channel by channel.
+    """Residuals of every segment up to their means, channel by channel.
 
     Parameters
     ----------
@@ -75,10 +75,7 @@ def residuals_by_channel(
         Normal equations there, which may hold the residuals already.
     """
     if isinstance(known, Linearised) and known.has_residuals:
-        blocks = known.blocks(derivatives=False)
+        parts = [(piece.channel, known.at_used(piece, piece.unmoved)) for piece in known.pieces]
     else:
-        blocks = list(problem.blocks(z, derivatives=False))
-    return [
-        [b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size]
-        for name in problem.outputs
-    ]
+        parts = [(b.channel, b.residual) for b in problem.blocks(z, derivatives=False)]
+    return [[r for channel, r in parts if channel == name and r.size] for name in problem.outputs]

@@ -20,7 +20,7 @@ from softid.identification.parameter_covariance import errors_of, free_covarianc
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.results import FitResult, LogNuisance, ParameterEstimate, Simulation
-from softid.simulation import simulate
+from softid.simulation import simulate, simulation_left
 from softid.uncertainty import propagated_errors, widened
 
 Array = npt.NDArray[np.float64]
@@ -90,7 +90,7 @@ def assemble(
     estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.constraints)
     values = {e.name: e.value for e in estimates}
     nuisances = nuisances_of(problem, optimum, errors)
-    simulations = _simulations(model, values, logs.logs, nuisances)
+    simulations = _fitted_simulations(found, values, logs.logs, nuisances)
     held_nuisances, held_simulations = held_out(model, values, held)
     statistics = (
         *scores(logs.logs, simulations, in_sample=True),
@@ -162,6 +162,25 @@ def held_out(
     problem = Problem(model, model.parameters().with_fixed(values), logs)
     nuisances = nuisances_of(problem, refit_nuisance(problem), None)
     return nuisances, _simulations(model, values, logs, nuisances)
+
+
+def _fitted_simulations(
+    found: OptimisedProblem,
+    values: Mapping[str, float],
+    logs: Sequence[Log],
+    nuisances: Sequence[LogNuisance],
+) -> tuple[Simulation, ...]:
+    """Those of the fitted logs, from what the last evaluation left over where that is known."""
+    problem, known = found.problem, found.optimum.linearised
+    is_whole = all(s.samples_of(s.used[name]).all() for s in problem.segments for name in s.used)
+    if known is None or not known.has_residuals or not is_whole:
+        return _simulations(problem.model, values, logs, nuisances)
+    left: list[dict[str, list[Array]]] = [{name: [] for name in problem.outputs} for _ in logs]
+    for piece in known.pieces:
+        segment = problem.segments[piece.segment]
+        rows = left[problem.owner[piece.segment]][piece.channel]
+        rows.append(segment.samples_of(piece.residuals))
+    return tuple(simulation_left(log, rows) for log, rows in zip(logs, left, strict=True))
 
 
 def _simulations(

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from softid.effects import ExtendedModel, belongs_to
 from softid.excitation import find_quantisation, run_starts
-from softid.fitters.normal_equations import KEPT_ENTRIES, SUMMED_ENTRIES, Piece, linearise
+from softid.fitters.normal_equations import SUMMED_ENTRIES, linearise, means_of
 from softid.fitters.output_error import Optimum
+from softid.fitters.pieces import Piece
 from softid.fitters.problem import Block, Problem
-from softid.kernels.affine_blocks import N_COLUMNS
 from softid.results import NoiseModel
 from softid.uncertainty import (
     AutoRegression,
@@ -42,13 +42,16 @@ OWN_NOISE_SAMPLES = 100
 Logs whose residuals differ in size, pooled into one model, had intervals that covered 84 % in place
 of 97 %."""
 
-WIDEST_MEANS = 2
-"""Every log brings a zero of its own, so that rows of many logs are long; averages over so many
-times the samples make up for that, and no more, for they would miss too much."""
-
 UNBLURRED = 0.25
 """Share of the power of the residual from which its rounding, q²/12, counts as long as a reading
 stays; noise of half a step blurs it."""
+
+SOME = 1000
+"""Readings, about, whose values are counted before all of them are looked at for a grid."""
+
+UNEVEN = 2.0
+"""Times as many values as fit into their range that a grid may show: where its step was changed or
+a reading lies beside it."""
 
 SILENT = 0.25
 """Noise at the end of a sensor's range, as a share of that elsewhere, below which it is clipped."""
@@ -210,10 +213,11 @@ def _covariance_of_means(
     known, few = optimum.linearised, problem.n_samples * problem.size <= SUMMED_ENTRIES
     if few or (known is not None and known.kept):
         return None
-    rows, channels = sum(s.time_s.size for s in problem.segments), len(problem.outputs)
-    width = min(max(N_COLUMNS, columns.size), WIDEST_MEANS * N_COLUMNS)
-    stretch = -(-rows * channels * width // min(KEPT_ENTRIES, rows * (2 + channels)))
-    found = linearise(problem, optimum.unknowns, optimum.sigma, plans=None, keep=stretch)
+    if known is not None and known.has_means:
+        found = known.weighted(optimum.sigma)  # without a prior
+    else:
+        keep = means_of(problem)
+        found = linearise(problem, optimum.unknowns, optimum.sigma, plans=None, keep=keep)
     if not found.affine:
         return None
     blocks = [
@@ -236,12 +240,12 @@ def _rows_at(problem: Problem, optimum: Optimum, *, derivatives: bool) -> list[_
         return [_spread(problem, block) for block in blocks]
     found = []
     for piece in known.pieces:
-        assert piece.columns is not None
         segment = problem.segments[piece.segment]
         used = segment.samples_of(segment.used[piece.channel])
         residual = np.where(used, segment.samples_of(piece.residuals), np.nan)
         jacobian = None
         if derivatives:
+            assert piece.columns is not None
             columns = segment.samples_of(piece.columns.T).T
             jacobian = columns, piece.gram, piece.by(np.arange(problem.size))
         found.append(_Rows(piece.channel, piece.segment, residual, jacobian))
@@ -319,10 +323,22 @@ def _rounding_of(problem: Problem, rows: Sequence[_Rows]) -> Rounding | None:
     readings = [_readings_of(problem, part) for part in rows]
     known = np.concatenate([values[np.isfinite(values)] for values in readings])
     residual = np.concatenate([part.residual for part in rows])
-    grid = find_quantisation(known) if known.size else None
-    if grid is None or grid.step**2 / 12.0 < UNBLURRED * float(np.nanmean(residual**2)):
+    if not known.size:
+        return None
+    least = float(np.sqrt(12.0 * UNBLURRED * np.nanmean(residual**2)))
+    grid = find_quantisation(known) if _may_be_as_coarse(known, least) else None
+    if grid is None or grid.step < least:
         return None
     return Rounding(grid.step, tuple(run_starts(values) for values in readings))
+
+
+def _may_be_as_coarse(readings: Array, step: float) -> bool:
+    """Whether readings show so few values that they may lie on a grid of this step.
+
+    Some of them soon tell: no two values of a grid are closer than its step.
+    """
+    some = np.unique(readings[:: max(1, readings.size // SOME)])
+    return bool((some.size - 1) * step <= UNEVEN * (some[-1] - some[0]))
 
 
 def _readings_of(problem: Problem, rows: _Rows) -> Array:
@@ -342,18 +358,15 @@ def _means_of(
 
 
 def _means(piece: Piece, columns: IndexArray) -> tuple[FactoredRows, Array, Array]:
-    """Means of derivatives and residual, NaN where many samples are missing, and sample counts.
-
-    The sums turn into means where they stand.
-    """
-    values = piece.columns
+    """Means of derivatives and residual, NaN where many samples are missing, and sample counts."""
+    values, counts = piece.columns, piece.counts
     assert values is not None
-    counts = values[-2].copy()  # the column of ones
-    missing = counts < max(1.0, LEAST_THERE * counts.max(initial=0.0))
-    values /= np.maximum(counts, 1.0)
+    assert counts is not None
     residual = piece.residual @ values
-    residual[missing] = np.nan
-    values[:, missing] = 0.0
+    missing = counts < max(1.0, LEAST_THERE * counts.max(initial=0.0))
+    if missing.any():
+        residual[missing] = np.nan
+        values = np.where(missing, 0.0, values)
     weights = piece.by(columns)
     return (
         FactoredRows(values, weights, weights.T @ (values @ values.T) @ weights),

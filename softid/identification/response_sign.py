@@ -15,6 +15,7 @@ from softid.identification.log_beginning import beginning
 from softid.identification.preparation import units_of
 from softid.kernels.filters import lag
 from softid.log import Log, LogSet
+from softid.long_series import joint_powers
 from softid.models import MODELS
 from softid.models.base import Model
 from softid.segment import Segment
@@ -142,19 +143,12 @@ def correlation(logs: LogSet, *, lag_s: float = 0.0) -> float:
         if used.sum() < 2:
             continue
         rows = slice(None) if used.all() else used
-        u = _deviation(_behind_lag(segment, lag_s)[rows])
-        y = _deviation(segment.outputs[logs.outputs[0]][rows])
-        cross += float(u @ y)
-        inputs += float(u @ u)
-        outputs += float(y @ y)
+        u, y = _behind_lag(segment, lag_s), segment.outputs[logs.outputs[0]]
+        products = joint_powers(u[rows], y[rows])
+        cross, inputs, outputs = cross + products[0], inputs + products[1], outputs + products[2]
     if inputs == 0 or outputs == 0:
         return 0.0
     return cross / float(np.sqrt(inputs * outputs))
-
-
-def _deviation(values: Array) -> Array:
-    apart: Array = values - values.mean()
-    return apart
 
 
 def _behind_lag(segment: Segment, lag_s: float) -> Array:

@@ -203,7 +203,11 @@ def identify(
     cleaned = tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs))
     cleaned_held = tuple(without_dropouts(log) for log in as_logs(hold_out))
     recorded, recorded_held = _at_readings(cleaned), _at_readings(cleaned_held)
-    bridged = _at_readings(without_repeats(log) for log in cleaned)
+    whole = [without_repeats(log) for log in cleaned]
+    bridged = tuple(
+        read if log is own else at_readings(log)
+        for log, own, read in zip(whole, cleaned, recorded, strict=True)
+    )
     log_set = LogSet(as_smooth(bridged))
     held = _at_readings(without_repeats(log) for log in cleaned_held)
     require_outputs(held)

@@ -1,4 +1,4 @@
-"""Motion, derivatives and normal equations of a law that is affine in its state, in one pass.
+"""Motion and derivatives of a law that is affine in its state, in one pass.
 
 See `softid.kernels.affine_blocks` for the law and for how a block of steps is laid out.
 """
@@ -14,7 +14,6 @@ from softid.kernels import (
     affine_coefficients,
     affine_derivatives,
     affine_motion,
-    affine_products,
     affine_steps,
     exponential,
 )
@@ -23,13 +22,7 @@ from softid.kernels.affine_blocks import (
     GIVEN,
     INPUT,
     LANES,
-    N_COLUMNS,
-    N_PADDED,
-    N_PARAMETERS,
-    N_STATES,
-    ONE,
     POINTS,
-    RESIDUAL,
     RK4,
     ROWS,
     SIZE,
@@ -45,7 +38,6 @@ from softid.kernels.affine_derivatives import (
     join_derivatives,
 )
 from softid.kernels.affine_motion import join_states, reset, run_radau, run_rk4
-from softid.kernels.affine_products import add_gram, select_ends
 from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
 
@@ -56,7 +48,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 
 @njit(nogil=True, error_model="numpy")
-def _load(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
+def load(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
     """The next steps of a log; ``at`` is the interval and the step within it, and moves on.
 
     ``ends`` receives the sample that every step ends on, −1 for none. Behind the last sample the
@@ -96,7 +88,8 @@ def _load(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: End
 
 
 @njit(nogil=True, error_model="numpy")
-def _run(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
+def run(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
+    """States along a block of steps; ``state`` goes on to the block's end."""
     fill_coefficients(w, law, rule, theta)
     reset(w)
     if rule == RK4:
@@ -107,7 +100,8 @@ def _run(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
 
 
 @njit(nogil=True, error_model="numpy")
-def _differentiate(w: Array, rule: int, theta: Array, tangent: Array) -> None:
+def differentiate(w: Array, rule: int, theta: Array, tangent: Array) -> None:
+    """Derivatives along a block of steps; ``tangent`` goes on to the block's end."""
     if rule == RK4:
         differentiate_rk4(w, theta)
     else:
@@ -121,20 +115,6 @@ def _store(w: Array, ends: Ends, columns: Array) -> None:
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
                 columns[p, ends[i]] = w[BY + p * POINTS + i]
-
-
-@njit(nogil=True, error_model="numpy")
-def _add(w: Array, ends: Ends, stretch: int, columns: Array) -> None:
-    """Add to the last columns, of the stretches in which the samples lie; ``ends`` is used up."""
-    first = BY + (N_COLUMNS - columns.shape[0]) * POINTS
-    if stretch > 1:
-        for i in range(LANES, POINTS):
-            if ends[i] >= 0:
-                ends[i] //= stretch
-    for p in range(columns.shape[0]):
-        for i in range(LANES, POINTS):
-            if ends[i] >= 0:
-                columns[p, ends[i]] += w[first + p * POINTS + i]
 
 
 @kernel
@@ -172,8 +152,8 @@ def move(
     now = state.copy()
     x[0], v[0] = state[0], state[1]
     while at[0] < time_s.size - 1:
-        _load(w, ends, time_s, u, counts, at)
-        _run(w, law, rule, theta, now)
+        load(w, ends, time_s, u, counts, at)
+        run(w, law, rule, theta, now)
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
                 x[ends[i]] = w[X + i]
@@ -213,9 +193,9 @@ def move_with_derivatives(
     for p in range(by.shape[0]):
         by[p, 0] = tangent[0, p]
     while at[0] < time_s.size - 1:
-        _load(w, ends, time_s, u, counts, at)
-        _run(w, law, rule, theta, now)
-        _differentiate(w, rule, theta, now_by)
+        load(w, ends, time_s, u, counts, at)
+        run(w, law, rule, theta, now)
+        differentiate(w, rule, theta, now_by)
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
                 x[ends[i]] = w[X + i]
@@ -223,83 +203,11 @@ def move_with_derivatives(
         _store(w, ends, by)
 
 
-@kernel
-def sum_products(
-    law: int,
-    rule: int,
-    theta: Array,
-    time_s: Array,
-    u: Array,
-    counts: Counts,
-    y: Array,
-    used: BoolArray,
-    gain: float,
-    level: float,
-    state: Array,
-    tangent: Array,
-    stretch: int,
-    kept: Array,
-    gram: Array,
-) -> None:
-    """All products of two columns summed over the used samples, without keeping the columns.
-
-    Parameters
-    ----------
-    law, rule, theta, time_s, u, counts, state, tangent
-        As in `move_with_derivatives`.
-    y, used
-        Measured output and whether it counts, each of shape (n,).
-    gain, level
-        The simulated output is gain·x + level.
-    stretch
-        Number of samples over which the columns that are kept are summed.
-    kept
-        Receives ∂x by the parameters and the initial state, 1 and the residual at every sample, or
-        their sums over stretches of samples, shape (11, ⌈n/stretch⌉), zero where a sample does not
-        count; zero when it is given, with fewer rows to keep the last columns only, and of shape
-        (11, 0) to keep nothing.
-    gram
-        Receives Σ cᵢcⱼ for all these columns in its first 11 rows, shape (12, 12).
-    """
-    w = np.zeros(SIZE)
-    ends = np.empty(POINTS, np.int64)
-    at = np.zeros(2, np.int64)
-    now, now_by = state.copy(), tangent.copy()
-    first = np.zeros(N_PADDED)
-    if used[0]:
-        for p in range(N_PARAMETERS + N_STATES):
-            first[p] = tangent[0, p]
-        first[N_COLUMNS - 2] = 1.0
-        first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
-    for a in range(N_PADDED):
-        for b in range(N_PADDED):
-            gram[a, b] = first[a] * first[b]
-    if kept.shape[1]:
-        for a in range(kept.shape[0]):
-            kept[a, 0] += first[a + N_COLUMNS - kept.shape[0]]
-    while at[0] < time_s.size - 1:
-        _load(w, ends, time_s, u, counts, at)
-        _run(w, law, rule, theta, now)
-        _differentiate(w, rule, theta, now_by)
-        for i in range(LANES, POINTS):
-            k = ends[i]
-            counted = k >= 0 and used[k]
-            w[ONE + i] = 1.0 if counted else 0.0
-            w[RESIDUAL + i] = y[k] if counted else 0.0
-        select_ends(w, gain, level)
-        add_gram(w, gram)
-        if kept.shape[1]:
-            _add(w, ends, stretch, kept)
-    for a in range(N_COLUMNS):
-        for b in range(a):
-            gram[b, a] = gram[a, b]
-
-
 @njit(nogil=True, error_model="numpy")
 def _load_stages(
     w: Array, ends: Ends, time_s: Array, stage_u: Array, counts: Counts, at: Ends
 ) -> None:
-    """`_load` for an input that is known at the stages of every step; ``at`` counts the steps too.
+    """`load` for an input that is known at the stages of every step; ``at`` counts the steps too.
 
     Behind the last sample the last step is repeated.
     """
@@ -377,11 +285,10 @@ SOURCES = (
     affine_coefficients,
     affine_derivatives,
     affine_motion,
-    affine_products,
     affine_steps,
     exponential,
 )
 """All that the kernels are compiled from, beside this file."""
 
-for _kernel in (move, move_with_derivatives, sum_products, move_through):
+for _kernel in (move, move_with_derivatives, move_through):
     follow_sources(_kernel, SOURCES)

@@ -15,21 +15,23 @@ CHUNK = 2048
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
-def _sum(a: Array, b: Array) -> float:
+def _sum(a: Array, b: Array, level: float) -> float:
     total = 0.0
     for t in range(a.size):
-        total += a[t] * b[t]
+        total += (a[t] - level) * (b[t] - level)
     return total
 
 
 @kernel
-def add_lagged_products(a: Array, b: Array, sums: Array) -> None:
-    """Add Σ_t a_t b_{t+k} at every lag k.
+def add_lagged_products(a: Array, b: Array, level: float, sums: Array) -> None:
+    """Add Σ_t (a_t − ℓ)(b_{t+k} − ℓ) at every lag k.
 
     Parameters
     ----------
     a, b
         Series, each of shape (n,).
+    level
+        What is taken from both, ℓ.
     sums
         Sums at lags from 0 on, shape (K,).
     """
@@ -37,4 +39,4 @@ def add_lagged_products(a: Array, b: Array, sums: Array) -> None:
         for lag in range(sums.size):
             stop = min(first + CHUNK, a.size - lag)
             if stop > first:
-                sums[lag] += _sum(a[first:stop], b[first + lag : stop + lag])
+                sums[lag] += _sum(a[first:stop], b[first + lag : stop + lag], level)

@@ -17,8 +17,9 @@ from softid.models.geometry import ArcGeometry
 from softid.models.muscle_law import NAMES, MuscleLaw
 from softid.models.products import Keep, Products
 from softid.models.ringing import ringing_starts
-from softid.models.second_order import ORDERS, Order, simulate_law, sum_law
+from softid.models.second_order import ORDERS, Order, simulate_law
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
+from softid.models.summed_products import sum_law
 from softid.models.time_scales import faded, speeds
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment

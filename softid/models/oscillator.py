@@ -20,8 +20,8 @@ from softid.models.second_order import (
     Law,
     Order,
     simulate_law,
-    sum_law,
 )
+from softid.models.summed_products import sum_law
 from softid.models.time_scales import faded, speeds
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet

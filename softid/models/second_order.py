@@ -10,20 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.affine_blocks import (
-    N_COLUMNS,
-    N_PADDED,
     N_PARAMETERS,
     N_STATES,
     RADAU,
     RK4,
 )
-from softid.kernels.affine_simulation import move, move_with_derivatives, sum_products
+from softid.kernels.affine_simulation import move, move_with_derivatives
 from softid.kernels.affine_start import begin
 from softid.kernels.radau import propagate, propagate_with_sensitivities
 from softid.kernels.small_matrix import LANES, groups
-from softid.models.division import Division, divide, held
-from softid.models.products import Keep, Products
-from softid.segment import Segment
+from softid.models.division import Division, divide
 
 Array = npt.NDArray[np.float64]
 
@@ -223,50 +219,6 @@ def begun(
     moved = np.zeros(N_STATES) if start is None else start
     begin(form.kind, form.theta, u, moved, start is None or relative, state, tangent)
     return state, tangent
-
-
-def sum_law(
-    law: Law,
-    segment: Segment,
-    channel: str,
-    start: Array | None,
-    *,
-    relative: bool,
-    plan: Division | None,
-    gain: float,
-    level: float,
-    keep: Keep,
-) -> Products | None:
-    """Summed products for an output gain·x + level; None for a law that the kernels do not know.
-
-    Parameters
-    ----------
-    law
-        The coefficients.
-    segment, channel
-        Times, input and measured output.
-    start, relative, plan
-        As in `simulate_law`.
-    gain, level
-        Output per position, and output at x = 0 with its sensor zero.
-    keep
-        As in `Model.products`.
-    """
-    form = law.affine()
-    if form is None:
-        return None
-    if plan is None:
-        plan = divide(law, segment.time_s, segment.input)
-    run = affine_run(form, plan, start, relative=relative)
-    y, used = held(segment.outputs[channel]), held(segment.used[channel])
-    rows, stretch = (1, 1) if keep == "residual" else (N_COLUMNS, keep)
-    columns = np.zeros((rows, -(-y.size // stretch) if stretch else 0))
-    gram = np.empty((N_PADDED, N_PADDED))
-    course, state = run.arguments[:6], run.arguments[6]
-    sum_products(*course, y, used, gain, level, state, run.tangent, stretch, columns, gram)
-    gram = gram[:N_COLUMNS, :N_COLUMNS]
-    by_state = gain * np.eye(N_STATES)
-    return Products(gram, gain * form.by_theta, by_state, columns if keep else None)
 
 
 def _simulate_affine(form: AffineForm, run: AffineRun, *, derivatives: bool) -> Motion:

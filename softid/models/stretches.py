@@ -69,7 +69,7 @@ def _averaged_away(segments: Sequence[Segment], k: int) -> float:
     """Share of the variance of the input that blocks of so many samples do not show."""
     shown = power = 0.0
     for u in (s.input[: s.input.size // k * k] for s in segments if s.input.size >= k):
-        means = u.reshape(-1, k).mean(axis=1)
+        means = _means(u, k)
         centre = float(means.mean())
         power += float(u @ u) - u.size * centre**2
         shown += k * (float(means @ means) - means.size * centre**2)
@@ -83,10 +83,14 @@ def block_means(segment: Segment, motion: Array, output: str, k: int) -> Stretch
     if not every.all():
         used = np.asarray(every.reshape(n, k).all(axis=1), bool)
         motion = np.where(np.isfinite(motion), motion, 0.0)
-    time_s, inputs, x = (
-        a[: n * k].reshape(n, k).mean(axis=1) for a in (segment.time_s, segment.input, motion)
-    )
+    time_s, inputs, x = (_means(a[: n * k], k) for a in (segment.time_s, segment.input, motion))
     return Stretch(time_s, inputs, x, used)
+
+
+def _means(values: Array, k: int) -> Array:
+    """Means over so many values each; a product of matrices is several times as fast as a mean."""
+    means: Array = values.reshape(-1, k) @ np.full(k, 1.0 / k)
+    return means
 
 
 def _windows(whole: Stretch, share: float) -> list[Stretch]:

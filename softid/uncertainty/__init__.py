@@ -25,7 +25,6 @@ from softid.uncertainty.factored_rows import FactoredRows
 from softid.uncertainty.identifiability import (
     companions,
     condition_number,
-    correlation,
     judge,
     relative_sd,
     strongest_partner,
@@ -51,7 +50,6 @@ __all__ = [
     "companions",
     "condition_number",
     "confidence_interval",
-    "correlation",
     "effective_n",
     "fit_ar",
     "judge",

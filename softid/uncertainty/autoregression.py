@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
+from softid.long_series import innovation_power
 from softid.uncertainty.burg import burg
 
 Array = npt.NDArray[np.float64]
@@ -357,10 +358,13 @@ def log_likelihood(ar: AutoRegression, residuals: Sequence[Array]) -> float:
     """
     if ar.sigma_innovation == 0.0:
         return np.inf
-    _, ratio = predictors(np.asarray(ar.phi))
+    phi = np.asarray(ar.phi)
+    _, ratio = predictors(phi)
     total = 0.0
     for run in (r for segment in residuals for r in contiguous_runs(segment)):
-        white = _whiten_run(np.asarray(ar.phi), run[:, None])[:, 0] / ar.sigma_innovation
-        total += float(white @ white) + run.size * np.log(2.0 * np.pi * ar.sigma_innovation**2)
+        first = _whiten_run(phi, run[: ar.order, None])
+        power = float(np.sum(first**2)) + innovation_power(run, phi)
+        variance = ar.sigma_innovation**2
+        total += power / variance + run.size * np.log(2.0 * np.pi * variance)
         total += float(np.sum(np.log(ratio[: min(run.size, ar.order)])))
     return -0.5 * total

@@ -93,7 +93,7 @@ def _lagged_moments(run: Array, max_order: int) -> Array:
     size = max_order + 1
     first, last = run[: 2 * size], run[-2 * size :]
     whole = np.zeros(size)
-    add_lagged_products(run, run, whole)
+    add_lagged_products(run, run, 0.0, whole)
     begin, end = np.zeros((size, size + 1)), np.zeros((size, size + 1))
     for d in range(size):
         begin[d, 1:] = first[d : d + size] * first[:size]

@@ -60,8 +60,8 @@ class FactoredRows:
     def sums(self, length: int) -> Array:
         """Sums over consecutive stretches of samples, of which the last may be short, (m, K)."""
         count = self.columns.shape[1] // length
-        whole = self.columns[:, : count * length].reshape(-1, length) @ np.ones(length)
-        parts = [whole.reshape(-1, count)]
+        whole = self.columns[:, : count * length].reshape(-1, count, length)  # never a copy
+        parts = [whole @ np.ones(length)]
         if count * length < self.columns.shape[1]:
             parts.append(self.columns[:, count * length :].sum(axis=1, keepdims=True))
         joined = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)

@@ -51,22 +51,6 @@ def condition_number(jacobian: Array) -> float:
     return float(singular[0] / singular[-1]) if singular[-1] > floor else float("inf")
 
 
-def correlation(covariance: Array) -> Array:
-    """Correlation matrix of a covariance, both of shape (K, K); NaN where it is not determined.
-
-    Examples
-    --------
-    >>> correlation(np.array([[4.0, -1.0], [-1.0, 1.0]])).tolist()
-    [[1.0, -0.5], [-0.5, 1.0]]
-    """
-    variance = np.diag(covariance)
-    known = variance > 0.0
-    sd = np.sqrt(np.where(known, variance, 1.0))
-    out = np.clip(covariance / np.outer(sd, sd), -1.0, 1.0)
-    out[~known] = out[:, ~known] = np.nan
-    return np.asarray(out, dtype=np.float64)
-
-
 def strongest_partner(covariance: Covariance, name: str) -> tuple[str, float] | None:
     """The estimate that is most correlated with one of them.
 
@@ -83,12 +67,15 @@ def strongest_partner(covariance: Covariance, name: str) -> tuple[str, float] | 
         Name and correlation; None where nothing is determined besides.
     """
     index = covariance.names.index(name)
-    row = correlation(covariance.matrix)[index]
-    row[index] = np.nan
-    if not np.isfinite(row).any():
+    variance = np.diag(covariance.matrix)
+    there = np.flatnonzero(variance > 0.0)  # never so for NaN
+    there = there[there != index]
+    if not variance[index] > 0.0 or not there.size:
         return None
-    other = int(np.nanargmax(np.abs(row)))
-    return covariance.names[other], float(row[other])
+    row = covariance.matrix[index, there] / np.sqrt(variance[index] * variance[there])
+    strongest = int(np.argmax(np.abs(row)))
+    value = min(max(float(row[strongest]), -1.0), 1.0)
+    return covariance.names[there[strongest]], value
 
 
 def companions(covariance: Covariance, name: str) -> tuple[str, ...]:

@@ -185,11 +185,12 @@ def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
     phi, capped
         The coefficients, and whether they were changed.
     """
-    trimmed = np.trim_zeros(phi, "b")
-    if trimmed.size == 0:
-        return phi, False
-    radius = float(np.max(np.abs(np.roots(np.concatenate(([1.0], -trimmed))))))
     limit = float(np.exp(-1.0 / longest))
+    powers = limit ** np.arange(1.0, phi.size + 1.0)
+    if float(np.sum(np.abs(phi) / powers)) <= 1.0:
+        return phi, False  # beyond the limit zᵖ outweighs all other terms, as most often
+    trimmed = np.trim_zeros(phi, "b")
+    radius = float(np.max(np.abs(np.roots(np.concatenate(([1.0], -trimmed))))))
     if radius <= limit:
         return phi, False
     return phi * (limit / radius) ** np.arange(1, phi.size + 1), True

@@ -28,6 +28,7 @@ from softid.log import Log
 from softid.models.base import Model
 from softid.models.equilibrium import Equilibrium
 from softid.models.muscle import Muscle
+from softid.models.products import NO_COLUMNS
 
 SCALE = Scale(0, 240, 0, 70, 300, 8, 0, 70, 0.005, 50, 0.2, 800)
 STATES = 2
@@ -50,7 +51,7 @@ def affine(log: Log) -> tuple[Callable[[], object], int]:
     z = problem.unknowns(dict(zip(NAMES, TRUTH.tolist(), strict=True)))
     plans = problem.plans(z)
     sigma = {"contraction": 1.0}
-    run = lambda: linearise(problem, z, sigma, plans=plans, keep=0)  # noqa: E731
+    run = lambda: linearise(problem, z, sigma, plans=plans, keep=NO_COLUMNS)  # noqa: E731
     return run, len(NAMES) + STATES
 
 

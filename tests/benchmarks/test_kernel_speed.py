@@ -22,6 +22,7 @@ from softid.fitters.normal_equations import linearise
 from softid.fitters.problem import Problem
 from softid.models.division import Division
 from softid.models.muscle import Muscle
+from softid.models.products import ALL_COLUMNS, NO_COLUMNS
 
 SIGMA = {"contraction": 1.0}
 ROUNDS = 7
@@ -58,7 +59,7 @@ def test_state_sensitivities_and_normal_matrix(benchmark, rule: str, n: int) -> 
     """State, seven sensitivities, two of the initial state, and the normal equations, summed."""
     problem, z, plans = problem_of(n)
     held = [one_step_each(plan, rule) for plan in plans]
-    benchmark(linearise, problem, z, SIGMA, plans=held, keep=0)
+    benchmark(linearise, problem, z, SIGMA, plans=held, keep=NO_COLUMNS)
     nanoseconds = benchmark.stats.stats.median / n * 1e9
     benchmark.extra_info["ns_per_sample"] = nanoseconds
     print(f"\n{rule}, {n} samples: {nanoseconds:.1f} ns a sample, all of Python included")
@@ -68,7 +69,7 @@ def test_state_sensitivities_and_normal_matrix(benchmark, rule: str, n: int) -> 
 def test_as_a_fit_evaluates(benchmark) -> None:
     """The same with the plan that accuracy calls for and the columns kept, as a fit does it."""
     problem, z, plans = problem_of(10_000)
-    benchmark(linearise, problem, z, SIGMA, plans=plans, keep=1)
+    benchmark(linearise, problem, z, SIGMA, plans=plans, keep=ALL_COLUMNS)
     plan = plans[0]
     assert plan is not None
     print(f"\n{plan.rule}, {plan.counts.mean():.2f} steps a sample", end=": ")
@@ -81,13 +82,14 @@ def test_length(benchmark, n: int) -> None:
     """Linear to 10⁷ samples within a half, and memory beside the log at most twice its own."""
     problem, z, plans = problem_of(n)
     small, z_small, plans_small = problem_of(10_000)
-    short = middle(lambda: linearise(small, z_small, SIGMA, plans=plans_small, keep=0)) / 1e4
-    long = middle(lambda: linearise(problem, z, SIGMA, plans=plans, keep=0)) / n
-    benchmark.pedantic(linearise, (problem, z, SIGMA), {"plans": plans, "keep": False}, rounds=1)
+    still, sums = {"plans": plans_small, "keep": NO_COLUMNS}, {"plans": plans, "keep": NO_COLUMNS}
+    short = middle(lambda: linearise(small, z_small, SIGMA, **still)) / 1e4
+    long = middle(lambda: linearise(problem, z, SIGMA, **sums)) / n
+    benchmark.pedantic(linearise, (problem, z, SIGMA), sums, rounds=1)
     segment = problem.segments[0]
     own = segment.time_s.nbytes + segment.input.nbytes + segment.outputs["contraction"].nbytes
     tracemalloc.start()
-    linearise(problem, z, SIGMA, plans=problem.plans(z), keep=0)
+    linearise(problem, z, SIGMA, plans=problem.plans(z), keep=NO_COLUMNS)
     extra = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     print(f"\n{n} samples: {1e9 * long:.1f} ns a sample, at 10,000 {1e9 * short:.1f}", end="; ")
@@ -101,7 +103,7 @@ def test_two_threads(benchmark) -> None:
     problem, z, plans = problem_of(100_000)
 
     def evaluate(_: int) -> None:
-        linearise(problem, z, SIGMA, plans=plans, keep=0)
+        linearise(problem, z, SIGMA, plans=plans, keep=NO_COLUMNS)
 
     evaluate(0)
     ratios = []

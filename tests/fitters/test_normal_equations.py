@@ -13,6 +13,7 @@ from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
+from softid.models.products import ALL_COLUMNS, NO_COLUMNS, Keep
 from softid.simulation import simulate
 
 Array = npt.NDArray[np.float64]
@@ -69,8 +70,8 @@ def case(name: str) -> tuple[Problem, Array]:
 
 
 @pytest.mark.parametrize("name", ["x", "scaled", "geometry", "drive", "no zeros"])
-@pytest.mark.parametrize("keep", [0, 1])
-def test_sums_equal_the_jacobian(name: str, keep: int) -> None:
+@pytest.mark.parametrize("keep", [NO_COLUMNS, ALL_COLUMNS])
+def test_sums_equal_the_jacobian(name: str, keep: Keep) -> None:
     """Cost, Jᵀr, JᵀJ, n and moved zeros, from sums and from samples: to rounding, 1e-11."""
     p, z = case(name)
     sigma = {channel: 0.5 + k for k, channel in enumerate(p.outputs)}
@@ -89,7 +90,7 @@ def test_kept_columns_make_up_residuals_and_jacobians(name: str) -> None:
     """What `Problem.blocks` simulates anew at the same unknowns, to rounding."""
     p, z = case(name)
     plans = p.plans(z)
-    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=1)
+    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=ALL_COLUMNS)
     wanted = list(p.blocks(found.point, derivatives=True, plans=plans))
     for block, anew in zip(found.blocks(derivatives=True), wanted, strict=True):
         assert (block.channel, block.segment) == (anew.channel, anew.segment)
@@ -103,8 +104,8 @@ def test_residuals_are_kept_without_the_other_columns(name: str) -> None:
     """The same as with all of them; only a law whose products no kernel sums has those anyway."""
     p, z = case(name)
     sigma = dict.fromkeys(p.outputs, 1.0)
-    whole = linearise(p, z, sigma, plans=p.plans(z), keep=1)
-    found = linearise(p, z, sigma, plans=p.plans(z), keep="residual")
+    whole = linearise(p, z, sigma, plans=p.plans(z), keep=ALL_COLUMNS)
+    found = linearise(p, z, sigma, plans=p.plans(z), keep=Keep(3, residual=True))
     assert found.has_residuals
     assert found.kept == (name == "geometry")
     rows = zip(found.blocks(derivatives=False), whole.blocks(derivatives=False), strict=True)
@@ -120,7 +121,7 @@ def test_the_same_pieces_under_other_zeros_and_weights(name: str) -> None:
     """
     p, z = case(name)
     plans = p.plans(z)
-    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=1)
+    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=ALL_COLUMNS)
     elsewhere = found.point.copy()
     if p.zeros:
         elsewhere[[p.zero_position(k, c) for k in (0, 1) for c in p.outputs]] += 0.1
@@ -142,7 +143,7 @@ def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> No
     p, z = case(name)
     sigma = dict.fromkeys(p.outputs, 0.7)
     plans = p.plans(z)
-    at = linearise(p, z, sigma, plans=plans, keep=1)
+    at = linearise(p, z, sigma, plans=plans, keep=ALL_COLUMNS)
     step = 0.02 * np.random.default_rng(2).normal(size=z.size)
     moved, _, _, _, r, j = by_samples(p, z, sigma)
     there = p.blocks(moved + 0.1 * step, derivatives=False, plans=plans)
@@ -151,7 +152,7 @@ def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> No
     found = bend(p, at, at.point, step, sigma, plans=plans, fraction=0.1)
     assert found is not None
     np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
-    summed = linearise(p, z, sigma, plans=plans, keep=0)
+    summed = linearise(p, z, sigma, plans=plans, keep=NO_COLUMNS)
     assert summed.kept == (name == "geometry")  # a distance, nonlinear in x, is never only summed
     again = bend(p, summed, summed.point, step, sigma, plans=plans, fraction=0.1)
     assert again is not None
@@ -162,7 +163,7 @@ def test_a_point_without_a_finite_response_costs_infinitely() -> None:
     """b1 = e⁵⁰ per bar overflows: an infinite cost and a regular matrix, not an error."""
     p, z = case("x")
     z[p.free.index("b1")] = 50.0
-    found = linearise(p, z, {"contraction": 1.0}, plans=None, keep=1)
+    found = linearise(p, z, {"contraction": 1.0}, plans=None, keep=ALL_COLUMNS)
     assert found.cost == np.inf
     assert np.isfinite(found.matrix).all()
     assert replace(found, cost=1.0).pieces == found.pieces

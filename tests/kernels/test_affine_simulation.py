@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 from softid.kernels.affine_blocks import MUSCLE, OSCILLATOR, RADAU, RK4, STEPS
-from softid.kernels.affine_simulation import move, move_with_derivatives, sum_products
+from softid.kernels.affine_simulation import move, move_with_derivatives
+from softid.kernels.affine_sums import sum_products
 from softid.kernels.radau import STAGES, propagate_with_sensitivities
 
 Array = npt.NDArray[np.float64]
@@ -144,24 +147,56 @@ def test_products_are_those_of_the_columns(rule: int, n: int) -> None:
     how = (MUSCLE, rule, THETA, time_s, u, counts)
     move_with_derivatives(*how, START, tangent_of_start(), x, v, by)
     columns = np.vstack([by, np.ones(n), y - (-0.05 * x + 0.3)]) * used
-    kept = np.zeros((11, n))
-    ends = (START, tangent_of_start())
-    gram, again = np.empty((12, 12)), np.empty((12, 12))
-    sum_products(*how, y, used, -0.05, 0.3, *ends, 1, kept, gram)
+    given = (*how, y, used, -0.05, 0.3)
+    kept, gram = summed(given, 1)
     np.testing.assert_allclose(kept, columns, rtol=1e-13, atol=1e-13)
     expected = columns @ columns.T
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     assert np.all(np.abs(gram[:11, :11] - expected) <= 1e-12 * scale)
-    sum_products(*how, y, used, -0.05, 0.3, *ends, 1, np.empty((11, 0)), again)
+    _, again = summed(given, 0)
     np.testing.assert_array_equal(gram, again)
-    left = np.zeros((1, n))
-    sum_products(*how, y, used, -0.05, 0.3, *ends, 1, left, again)
-    np.testing.assert_array_equal(left[0], kept[-1])
-    sums = np.zeros((11, -(-n // 7)))
-    sum_products(*how, y, used, -0.05, 0.3, *ends, 7, sums, again)
+    left = np.zeros(n)
+    means, again = summed(given, 7, left)
+    np.testing.assert_array_equal(left, kept[-1])
     np.testing.assert_array_equal(gram, again)
-    whole = np.add.reduceat(kept, np.arange(0, n, 7), axis=1)
-    np.testing.assert_allclose(sums, whole, rtol=1e-12, atol=1e-12)
+    whole = np.add.reduceat(kept, np.arange(0, n, 7), axis=1) / 7.0
+    np.testing.assert_allclose(means, whole, rtol=1e-12, atol=1e-12)
+
+
+def summed(given: tuple[Any, ...], stretch: int, left: Array | None = None) -> tuple[Array, Array]:
+    """Kept columns and products of a whole log."""
+    n = given[3].size
+    kept = np.zeros((11, -(-n // stretch) if stretch else 0))
+    gram = np.empty((12, 12))
+    place = (np.zeros(2, np.int64), n, START.copy(), tangent_of_start())
+    residual = np.empty(0) if left is None else left
+    sum_products(*given, *place, stretch, kept, -1, residual, gram)
+    return kept, gram
+
+
+@pytest.mark.parametrize("rule", [RADAU, RK4])
+def test_a_run_goes_on_where_it_ended(rule: int) -> None:
+    """Two parts of a log, which share a stretch, sum up to the whole to rounding."""
+    n = SIZES[-1]
+    time_s, u, counts = log(n)
+    y, used = np.random.default_rng(1).normal(size=n), np.ones(n, bool)
+    given = (MUSCLE, rule, THETA, time_s, u, counts, y, used, -0.05, 0.3)
+    kept, gram = summed(given, 7)
+    parts, total = np.zeros((11, kept.shape[1] + 1)), np.zeros((12, 12))
+    at, state, tangent, apart = np.zeros(2, np.int64), START.copy(), tangent_of_start(), -1
+    for blocks in (1, n):
+        one = np.empty((12, 12))
+        sum_products(*given, at, blocks, state, tangent, 7, parts, apart, np.empty(0), one)
+        total += one
+        if blocks == 1:
+            reached, apart = at.copy(), (int(at[0]) + 1) // 7
+    parts[:, apart] += parts[:, -1]
+    np.testing.assert_allclose(parts[:, :-1], kept, rtol=1e-12, atol=1e-12)
+    scale = np.sqrt(np.diag(gram))
+    assert np.all(np.abs(total - gram) <= 1e-12 * np.outer(scale, scale))
+    at[:] = 0, STEPS  # the same step, counted from the beginning of the log
+    sum_products(*given, at, 0, state, tangent, 0, np.empty((11, 0)), -1, np.empty(0), one)
+    np.testing.assert_array_equal(at, reached)
 
 
 @pytest.mark.parametrize(("mass", "damping"), [(0.0, 0.28), (0.0, 0.0), (1e-12, 0.28)])
@@ -191,6 +226,7 @@ def test_what_overflows_is_not_finite_and_does_not_hang() -> None:
         gram = np.empty((12, 12))
         sum_products(
             MUSCLE, RK4, theta, time_s, u, counts, u, np.ones(400, bool), 1.0, 0.0,
-            START, np.zeros((2, 9)), 1, np.empty((11, 0)), gram,
+            np.zeros(2, np.int64), 400, START.copy(), np.zeros((2, 9)),
+            0, np.empty((11, 0)), -1, np.empty(0), gram,
         )  # fmt: skip
         assert not np.isfinite(gram).all() or np.abs(gram).max() > 1e60

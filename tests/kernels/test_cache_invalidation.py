@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from fresh_process import printed_by
 
-from softid.kernels import affine_simulation
+from softid.kernels import affine_simulation, affine_sums
 
 NOT_COMPILED = {"softid.kernels.decorators", "softid.kernels.cache_invalidation"}
 """What kernels import but are not made from."""
@@ -64,14 +64,15 @@ def imported(name: str) -> set[str]:
 
 def test_the_affine_kernels_follow_all_that_they_are_made_from() -> None:
     """A source that is left out would go on with its old code where an installation is edited."""
-    followed = {module.__name__ for module in affine_simulation.SOURCES}
-    assert followed == imported(affine_simulation.__name__)
-    assert len(followed) == len(affine_simulation.SOURCES) == 7
+    for kernels, count in ((affine_simulation, 6), (affine_sums, 8)):
+        followed = {module.__name__ for module in kernels.SOURCES}
+        assert followed == imported(kernels.__name__)
+        assert len(followed) == len(kernels.SOURCES) == count
 
 
 PRODUCTS = """
 import numpy as np
-from softid.kernels.affine_simulation import sum_products
+from softid.kernels.affine_sums import sum_products
 
 time_s, u = 0.01 * np.arange(999.0), 1.0 + np.sin(0.1 * np.arange(999.0))
 theta = np.array([3e-3, 0.0143, 3.0, 0.95, 1.5e-3, 2.0, 0.28, 1.0])
@@ -79,7 +80,8 @@ gram, kept = np.empty((12, 12)), np.empty((11, 0))
 given = time_s, u, np.ones(998, np.int16), np.cos(u), np.ones(999, np.bool_)
 for values in given:
     values.flags.writeable = False
-sum_products(0, 1, theta, *given, 1.0, 0.0, np.array([3.0, 0.0]), np.eye(2, 9), 1, kept, gram)
+place = np.zeros(2, np.int64), 999, np.array([3.0, 0.0]), np.eye(2, 9)
+sum_products(0, 1, theta, *given, 1.0, 0.0, *place, 0, kept, -1, np.empty(0), gram)
 print(gram.tobytes().hex(), sum(sum_products.stats.cache_hits.values()))
 """
 

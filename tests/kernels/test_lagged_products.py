@@ -13,6 +13,6 @@ def test_they_are_the_sums_at_every_lag(n: int) -> None:
     """To rounding of n terms; where a lag is longer than the series nothing is added."""
     a, b = np.random.default_rng(n).standard_normal((2, n))
     found = np.ones(6)
-    add_lagged_products(a, b, found)
+    add_lagged_products(a + 3.0, b + 3.0, 3.0, found)
     expected = [1.0 + a[: max(n - k, 0)] @ b[k:] for k in range(6)]
     np.testing.assert_allclose(found, expected, atol=1e-12 * n)

@@ -9,7 +9,6 @@ from softid.uncertainty import (
     Covariance,
     companions,
     condition_number,
-    correlation,
     judge,
     relative_sd,
     strongest_partner,
@@ -34,19 +33,14 @@ def test_condition_number_ignores_units_and_knows_dependence() -> None:
     assert condition_number(np.eye(3)[:, [0, 1, 2]] * [1.0, 0.0, 1.0]) == np.inf
 
 
-def test_correlation_keeps_what_is_not_determined_apart() -> None:
-    """c_ij/√(c_ii c_jj); NaN rows stay NaN and spoil no other."""
-    found = correlation(np.array([[4.0, NAN, -3.0], [NAN, NAN, NAN], [-3.0, NAN, 9.0]]))
-    assert found[0, 2] == pytest.approx(-0.5)
-    assert np.isnan(found[1]).all()
-    assert found[2, 2] == 1.0
-
-
 def test_strongest_partner_and_companions() -> None:
     """The largest |correlation| but one's own; the names that share an undetermined direction."""
     matrix = np.array([[1.0, -0.98, 0.1], [-0.98, 1.0, 0.2], [0.1, 0.2, 1.0]])
     assert strongest_partner(known(matrix), "a2") == ("b2", pytest.approx(-0.98))
     assert strongest_partner(known(np.array([[1.0]])), "a2") is None
+    apart = np.array([[4.0, NAN, -3.0], [NAN, NAN, NAN], [-3.0, NAN, 9.0]])  # b2 is unknown
+    assert strongest_partner(known(apart), "a2") == ("c2", pytest.approx(-0.5))
+    assert strongest_partner(known(apart), "b2") is None
     groups = known(matrix, ("a2", "b2"), ("a2", "c2"))
     assert companions(groups, "a2") == ("b2", "c2")
     assert companions(groups, "b2") == ("a2",)
