@@ -177,7 +177,7 @@ def _issues_of_held_out(
     final, held_out = chain.final, base.held_out
     return (
         *refusal_issues(chain, held_out),
-        *held_out_change_issues(final, remainder, held_out, base.scale, is_sure=is_sure),
+        *held_out_change_issues(final, remainder, base, is_sure=is_sure),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from softid.diagnosis import diagnose
@@ -43,3 +44,22 @@ def test_a_payload_in_the_hold_out_does_not_hide_the_cause() -> None:
     assert "the inertia M changes by +" in told.message
     assert "as with another payload" in told.message
     assert "hardly show" not in found.summary
+
+
+def test_a_cause_gains_beside_what_is_held_out_differs_in() -> None:
+    """Known truth: the input is late in both; a payload hides in the second what that does.
+
+    The error there is nearly the same with the delay and without, and falls where the inertia is
+    its own.
+    """
+    own = hidden_pair(["delay"], seed=11, model="oscillator")
+    loaded = with_values(own.actuator, M=3.5)
+    other = hidden_pair(["delay"], seed=11, actuator=loaded, values=own.hidden, model="oscillator")
+    found = diagnose(own.logs[0], hold_out=[other.logs[1]], model="oscillator")
+    assert found.verdict is Verdict.PARTIAL
+    assert [cause.effect for cause in found.causes] == ["delay"]
+    (told,) = [issue for issue in found.issues if issue.code == HELD_OUT_CHANGE]
+    assert "the inertia M changes by +" in told.message
+    gained = re.search(r"what was found takes away ([0-9]+) % of the error there", told.message)
+    assert gained is not None
+    assert int(gained[1]) > 30

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.input_levels import have_same_levels
-from softid.diagnosis.changes.log_differences import LogDifferences, log_differences, squares_of
+from softid.diagnosis.changes.log_differences import (
+    LogDifferences,
+    log_differences,
+    squares_of,
+    squares_with,
+)
 from softid.diagnosis.logs.one_frequency import sine_lag
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
@@ -50,8 +57,6 @@ def held_out_difference(
 def is_another_actuator(model: Candidate, remainder: Remainder, base: BaseFit) -> bool:
     """Whether the logs that are held out differ in a number that no cause owns.
 
-    A law that is wrong asks for another size in every log.
-
     Parameters
     ----------
     model, remainder
@@ -59,11 +64,39 @@ def is_another_actuator(model: Candidate, remainder: Remainder, base: BaseFit) -
     base
         The model without causes, and what is held out.
     """
+    return _of_actuator(model, remainder, base) is not None
+
+
+def gain_beside_difference(model: Candidate, remainder: Remainder, base: BaseFit) -> float | None:
+    """Share of the held-out error that goes with causes where each log has its own of what differs.
+
+    Parameters
+    ----------
+    model, remainder, base
+        As in `is_another_actuator`.
+
+    Returns
+    -------
+    float or None
+        None where nothing differs, or a cause owns what does.
+    """
+    found, judged = _of_actuator(model, remainder, base), base.held_out.standing(model)
+    if found is None or judged is None:
+        return None
+    before, after = (
+        squares_with(one, base.scale, judged.problem.logs, found) for one in (base.candidate, model)
+    )
+    return 1.0 - (after / before) ** 0.5 if np.isfinite(before) and before > 0.0 else None
+
+
+def _of_actuator(model: Candidate, remainder: Remainder, base: BaseFit) -> LogDifferences | None:
+    """What differs, if no cause owns it: a law that is wrong asks for another size in every log."""
     found = held_out_difference(model, remainder, base.held_out, base.scale)
     if found is None:
-        return False
+        return None
     of_causes = set(model.problem.free) - set(base.candidate.problem.free)
-    return of_causes.isdisjoint({found.kinds[0], (found.beside or found).kinds[0]})
+    is_owned = not of_causes.isdisjoint({found.kinds[0], (found.beside or found).kinds[0]})
+    return None if is_owned else found
 
 
 def _are_comparable(fitted: Sequence[Log], others: Sequence[Log]) -> bool:

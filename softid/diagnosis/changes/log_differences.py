@@ -186,6 +186,31 @@ def squares_of(problem: Problem, z: Array) -> float:
     return float(sum(part @ part for part in parts))
 
 
+def squares_with(
+    reference: Candidate, scale: Scale, logs: Sequence[Log], found: LogDifferences
+) -> float:
+    """Sum of squares that a model leaves of other logs if each has its own of what differs.
+
+    Parameters
+    ----------
+    reference, scale, logs
+        As in `log_differences`.
+    found
+        What differs; of kinds that do as well the first.
+
+    Returns
+    -------
+    float
+        Infinite where the model has no such number.
+    """
+    changes = {change.kinds[0]: change for change in _changes(reference, scale)}
+    asked = changes.get(found.kinds[0])
+    if asked is not None and found.beside is not None:
+        second = changes.get(found.beside.kinds[0])
+        asked = None if second is None else asked.joined_with(second)
+    return np.inf if asked is None else sum(asked.on(log)[0] for log in logs)
+
+
 @dataclass(frozen=True, eq=False)
 class _Change:
     """Free parameters beside others that stay, or none.

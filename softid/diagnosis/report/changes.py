@@ -13,7 +13,11 @@ import numpy.typing as npt
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.clock_jumps import is_clock_jump
-from softid.diagnosis.changes.held_out_difference import held_out_difference, shows_motion_of
+from softid.diagnosis.changes.held_out_difference import (
+    gain_beside_difference,
+    held_out_difference,
+    shows_motion_of,
+)
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import (
     LogDifferences,
@@ -24,7 +28,7 @@ from softid.diagnosis.changes.log_differences import (
 from softid.diagnosis.changes.pooling import own_parameters
 from softid.diagnosis.changes.spells import Spells, is_of_a_jump, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
+from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.report.difference_texts import APART, LOG_DIFFERENCES, DifferenceTexts
 from softid.diagnosis.report.phrases import listed, percent
@@ -55,6 +59,9 @@ CHANGES = {
 OUTSIDE_NOISE = ", outside of which no more than noise is left"
 """Said of spells in which no change in one known way is seen."""
 
+BESIDE = "; with that in the model, what was found takes away "
+"""Said of the gain where what is held out has its own of the number that differs."""
+
 RECURS = (
     "; what is held out has such spells, too, so that a law may be missing that acts at few "
     "moments, such as a snap from one state into another"
@@ -75,7 +82,7 @@ REFERENCES = 3
 
 
 def held_out_change_issues(
-    model: Candidate, remainder: Remainder, held: HeldOut, scale: Scale, *, is_sure: bool
+    model: Candidate, remainder: Remainder, base: BaseFit, *, is_sure: bool
 ) -> tuple[Issue, ...]:
     """How what is held out differs, throughout or from a moment on; nothing where it does not.
 
@@ -87,14 +94,13 @@ def held_out_change_issues(
         The last model.
     remainder
         What it leaves.
-    held
-        What was held out.
-    scale
-        Sizes of the base fit.
+    base
+        The base fit, and what was held out.
     is_sure
         Whether nothing but what is held out speaks against a name, and nothing is in a tie: a law
         that is wrong asks for another size in every log.
     """
+    held, scale = base.held_out, base.scale
     judged = held.standing(model) if remainder.misses_held_out else None
     if judged is None:
         return ()
@@ -102,7 +108,9 @@ def held_out_change_issues(
     if found is not None:
         texts = DifferenceTexts.of(judged.problem)
         told = texts.issue(found, judged.problem.logs, "the fitted logs")
-        return (replace(told, code=HELD_OUT_CHANGE),)
+        gain = gain_beside_difference(model, remainder, base) if model.effects else None
+        beside = f"{BESIDE}{percent(gain)} of the error there" if gain is not None else ""
+        return (replace(told, code=HELD_OUT_CHANGE, message=f"{told.message}{beside}"),)
     errors = held.first_errors(model)
     excess = float(np.mean(errors**2)) / remainder.noise_power - 1.0
     moments = change_issues(judged, scale, excess)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.changes.held_out_difference import gain_beside_difference
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.motion import heard, residual_context, samples_alike
 from softid.diagnosis.residual.noise_floor import fastest_part
@@ -35,6 +36,10 @@ be what the law of that one leaves, for no material keeps to its law more closel
 PIECE = 0.2
 """What takes less than this share of what a law does that is not quite that of the catalogue may be
 what this one leaves."""
+
+GAINS_BESIDE = 0.1
+"""Share of the held-out error that a cause takes away at least beside a number in which what is
+held out differs, where it gains nothing without that."""
 
 OVER_RECORD = ("smoothing", "smoothing.mean")
 """Filters that run over a record when it is there, noise and all. A moving average of the past may
@@ -94,7 +99,7 @@ def with_doubts(
     }
     told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
     is_noisy = None if remainder.noise_from_rounding else has_fast_noise(final)
-    pieces = _pieces(chain, remainder, base)
+    pieces, is_alone = _pieces(chain, remainder, base), len(causes) == 1
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
         if doubt is None and cause.key in small:
@@ -106,6 +111,9 @@ def with_doubts(
             doubt = Doubt.ONE_STEP
         if doubt is None and cause.key in pieces:
             doubt = Doubt.MENDS
+        if doubt in NO_GAIN and is_alone:
+            beside = gain_beside_difference(final, remainder, base)
+            doubt = doubt if beside is None or beside < GAINS_BESIDE else None
         if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -160,6 +162,11 @@ def test_a_change_in_no_known_way_is_told_if_nothing_else_is() -> None:
     assert change_issues(base, sizes(base), excess(base), alone=True) == ()
 
 
+def judged_by(base: Candidate, judge: Log) -> Any:
+    """What is asked of a base fit here."""
+    return SimpleNamespace(candidate=base, held_out=HeldOutLogs((judge,)), scale=sizes(base))
+
+
 @pytest.mark.parametrize("kind", ADDED)
 def test_what_is_held_out_begins_to_differ_at_a_moment(kind: str) -> None:
     """Known truth: the fitted log is whole, and the other jumps at its own moment."""
@@ -167,15 +174,13 @@ def test_what_is_held_out_begins_to_differ_at_a_moment(kind: str) -> None:
     judge = linear_log(noise=NOISE, seed=7, samples=N, added=ADDED[kind])
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
-    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base), is_sure=True)
+    (mark,) = held_out_change_issues(base, left, judged_by(base, judge), is_sure=True)
     moment = re.search(r"begins at ([0-9.]+) s of linear-7: its (\w+)", mark.message)
     assert moment is not None
     assert float(moment[1]) == pytest.approx(MOMENT_S, abs=0.5)
     assert moment[2] == kind
     found = replace(left, misses_held_out=False)
-    assert (
-        held_out_change_issues(base, found, HeldOutLogs((judge,)), sizes(base), is_sure=True) == ()
-    )
+    assert held_out_change_issues(base, found, judged_by(base, judge), is_sure=True) == ()
 
 
 def test_another_actuator_differs_at_no_moment() -> None:
@@ -184,11 +189,11 @@ def test_another_actuator_differs_at_no_moment() -> None:
     judge = linear_log(noise=NOISE, seed=7, samples=N, added=-0.5 * ANGLE)
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
-    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base), is_sure=True)
-    judged = HeldOutLogs((judge,))
-    assert held_out_change_issues(base, left, judged, sizes(base), is_sure=False) == ()
+    (mark,) = held_out_change_issues(base, left, judged_by(base, judge), is_sure=True)
+    judged = judged_by(base, judge)
+    assert held_out_change_issues(base, left, judged, is_sure=False) == ()
     loud = replace(left, structured=True)  # the model is right on none of the logs
-    assert held_out_change_issues(base, loud, judged, sizes(base), is_sure=True) == ()
+    assert held_out_change_issues(base, loud, judged, is_sure=True) == ()
     assert mark.code == HELD_OUT_CHANGE
     assert "the gain of the reading changes by -50.0 % in linear-7" in mark.message
 
@@ -196,11 +201,11 @@ def test_another_actuator_differs_at_no_moment() -> None:
 def test_one_change_throughout_is_told_before_a_moment(monkeypatch: pytest.MonkeyPatch) -> None:
     """A moment has one more unknown: it is not even looked for where a gain takes all away."""
     base = fitted(linear_log(noise=NOISE, samples=N))
-    judge = HeldOutLogs((linear_log(noise=NOISE, seed=7, samples=N, added=0.06 * ANGLE),))
+    judge = linear_log(noise=NOISE, seed=7, samples=N, added=0.06 * ANGLE)
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
     monkeypatch.setattr(changes, "change_issues", lambda *asked: pytest.fail("looked for"))
-    (mark,) = held_out_change_issues(base, left, judge, sizes(base), is_sure=True)
+    (mark,) = held_out_change_issues(base, left, judged_by(base, judge), is_sure=True)
     size = re.search(r"the gain of the reading changes by ([0-9.+]+) % in linear-7", mark.message)
     assert size is not None
     assert float(size[1]) == pytest.approx(6.0, abs=0.3)
