@@ -13,6 +13,7 @@ from softid.diagnosis.changes.log_differences import (
     log_differences,
     squares_of,
     squares_with,
+    turned_output,
 )
 from softid.diagnosis.logs.one_frequency import sine_lag
 from softid.diagnosis.refit.candidates import Candidate
@@ -30,7 +31,8 @@ def held_out_difference(
     Parameters
     ----------
     model
-        The last model; what leaves more than noise fits none of the logs.
+        The last model; what leaves more than noise fits none of the logs, and shows no more of
+        others than that they are turned.
     remainder
         What it leaves, there and on what is held out.
     held
@@ -44,12 +46,14 @@ def held_out_difference(
         None where it carries over, or where no other number explains that it does not.
     """
     judged = held.standing(model) if remainder.misses_held_out else None
-    if judged is None or remainder.structured:
+    if judged is None:
         return None
     logs = judged.problem.logs
+    before = squares_of(judged.problem, judged.minimum.point)
+    if remainder.structured:
+        return turned_output(model, logs, before)
     if not _are_comparable(model.problem.logs, logs):
         return None
-    before = squares_of(judged.problem, judged.minimum.point)
     noise = remainder.noise_power * held.first_errors(model).size
     return log_differences(model, scale, logs, before=before, noise=noise)
 

@@ -186,6 +186,25 @@ def squares_of(problem: Problem, z: Array) -> float:
     return float(sum(part @ part for part in parts))
 
 
+def turned_output(
+    reference: Candidate, logs: Sequence[Log], before: float
+) -> LogDifferences | None:
+    """That the first output of other logs has the other sign, whatever else a model misses.
+
+    Parameters
+    ----------
+    reference, logs
+        As in `log_differences`.
+    before
+        Sum of squares that the model leaves of the first output over these logs.
+    """
+    change = _Turn((SIGN,), (), reference.problem, reference.parameters)
+    rows = [change.on(log) for log in logs]
+    share = 1.0 - sum(left for left, _ in rows) / before if before > 0.0 else 0.0
+    sizes = tuple(size for _, row in rows for size in row or ())
+    return LogDifferences((SIGN,), sizes, share) if share > LEAST_TAKEN and any(sizes) else None
+
+
 def squares_with(
     reference: Candidate, scale: Scale, logs: Sequence[Log], found: LogDifferences
 ) -> float:

@@ -104,7 +104,8 @@ def held_out_change_issues(
     judged = held.standing(model) if remainder.misses_held_out else None
     if judged is None:
         return ()
-    found = held_out_difference(model, remainder, held, scale) if is_sure else None
+    is_asked = is_sure or remainder.structured  # whether it is turned, whatever else is wrong
+    found = held_out_difference(model, remainder, held, scale) if is_asked else None
     if found is not None:
         texts = DifferenceTexts.of(judged.problem)
         told = texts.issue(found, judged.problem.logs, "the fitted logs")

@@ -198,6 +198,19 @@ def test_another_actuator_differs_at_no_moment() -> None:
     assert "the gain of the reading changes by -50.0 % in linear-7" in mark.message
 
 
+def test_a_turned_hold_out_is_told_whatever_else_is_wrong() -> None:
+    """A model that is right on none of the logs is wrong on a turned one by far more."""
+    base = fitted(linear_log(noise=NOISE, samples=N))
+    turned = linear_log(noise=NOISE, seed=7, samples=N, added=-2.0 * ANGLE + 0.1 * ANGLE**2)
+    left = replace(remainder(structured=True, explained=0.0), misses_held_out=True)
+    (mark,) = held_out_change_issues(base, left, judged_by(base, turned), is_sure=False)
+    assert mark.code == HELD_OUT_CHANGE
+    assert "angle has the other sign in linear-7 than in the fitted logs" in mark.message
+    bent = linear_log(noise=NOISE, seed=7, samples=N, added=0.1 * ANGLE**2)
+    told = held_out_change_issues(base, left, judged_by(base, bent), is_sure=False)
+    assert not any("sign" in mark.message for mark in told)
+
+
 def test_one_change_throughout_is_told_before_a_moment(monkeypatch: pytest.MonkeyPatch) -> None:
     """A moment has one more unknown: it is not even looked for where a gain takes all away."""
     base = fitted(linear_log(noise=NOISE, samples=N))
