@@ -170,10 +170,14 @@ def _fitted_simulations(
     logs: Sequence[Log],
     nuisances: Sequence[LogNuisance],
 ) -> tuple[Simulation, ...]:
-    """Those of the fitted logs, from what the last evaluation left over where that is known."""
+    """Those of the fitted logs, from what the last evaluation left over where that is known.
+
+    With effects the derivatives ask for steps of their own, and a simulation for others.
+    """
     problem, known = found.problem, found.optimum.linearised
+    is_plain = problem.model.without_effects is problem.model
     is_whole = all(s.samples_of(s.used[name]).all() for s in problem.segments for name in s.used)
-    if known is None or not known.has_residuals or not is_whole:
+    if known is None or not (is_plain and known.has_residuals and is_whole):
         return _simulations(problem.model, values, logs, nuisances)
     left: list[dict[str, list[Array]]] = [{name: [] for name in problem.outputs} for _ in logs]
     for piece in known.pieces:
