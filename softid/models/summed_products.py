@@ -25,13 +25,12 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 HALVED_STEPS = 30_000
-"""Steps from which on the halves of a log are summed at once. Each half then takes 0.2 ms, and to
-hand one to a thread that waits for it 0.03 ms."""
+"""Steps from which on the halves of a log are summed at once. Each half then takes several times as
+long as to hand one to a thread that waits for it."""
 
 RUN_IN_SHARE = 16
-"""Part of a half, as one in so many, in which the motion must have forgotten where it began: 46 of
-its time constants, which for 100,000 samples are 70 samples each. A longer one eats up what the
-second thread saves."""
+"""Part of a half, as one in so many, in which the motion must have forgotten where it began. A
+longer one eats up what the second thread saves."""
 
 FORGOTTEN = 1e-20
 """Share of a state that is left when it is forgotten: rounding is ten thousand times as much."""

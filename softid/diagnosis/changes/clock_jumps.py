@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from softid.diagnosis.changes.log_differences import DELAY, LogDifferences
 from softid.diagnosis.changes.probes import ReadingProbe
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
-from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS
+from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, white_standard_errors
 from softid.effects import extended_name
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
@@ -56,9 +54,6 @@ def is_clock_jump(
     problem = Problem(extended.model, parameters, reference.problem.logs)
     z = start_unknowns(problem, reference.problem, reference.minimum.point, values)
     free = advance(begun(reference, (probe,), problem, z), sigma, REFIT_EVALUATIONS)
-    row = problem.free.index(own)
-    variance = free.squares / max(problem.n_samples - problem.size, 1)
-    inverse = np.linalg.pinv(free.minimum.normal.matrix, hermitian=True)
-    unsure = STANDARD_ERRORS * float(np.sqrt(max(variance * inverse[row, row], 0.0)))
+    unsure = STANDARD_ERRORS * float(white_standard_errors(free)[problem.free.index(own)])
     least = min(abs(size) for size in change.sizes)
     return abs(free.parameters[own]) + unsure < THROUGHOUT * least

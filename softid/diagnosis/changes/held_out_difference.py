@@ -68,15 +68,20 @@ def is_another_actuator(model: Candidate, remainder: Remainder, base: BaseFit) -
     base
         The model without causes, and what is held out.
     """
-    return _of_actuator(model, remainder, base) is not None
+    found = held_out_difference(model, remainder, base.held_out, base.scale)
+    return found is not None and not _is_owned(found, model, base)
 
 
-def gain_beside_difference(model: Candidate, remainder: Remainder, base: BaseFit) -> float | None:
+def gain_beside_difference(
+    found: LogDifferences | None, model: Candidate, base: BaseFit
+) -> float | None:
     """Share of the held-out error that goes with causes where each log has its own of what differs.
 
     Parameters
     ----------
-    model, remainder, base
+    found
+        From `held_out_difference`.
+    model, base
         As in `is_another_actuator`.
 
     Returns
@@ -84,8 +89,8 @@ def gain_beside_difference(model: Candidate, remainder: Remainder, base: BaseFit
     float or None
         None where nothing differs, or a cause owns what does.
     """
-    found, judged = _of_actuator(model, remainder, base), base.held_out.standing(model)
-    if found is None or judged is None:
+    judged = base.held_out.standing(model)
+    if found is None or judged is None or _is_owned(found, model, base):
         return None
     before, after = (
         squares_with(one, base.scale, judged.problem.logs, found) for one in (base.candidate, model)
@@ -93,14 +98,10 @@ def gain_beside_difference(model: Candidate, remainder: Remainder, base: BaseFit
     return 1.0 - (after / before) ** 0.5 if np.isfinite(before) and before > 0.0 else None
 
 
-def _of_actuator(model: Candidate, remainder: Remainder, base: BaseFit) -> LogDifferences | None:
-    """What differs, if no cause owns it: a law that is wrong asks for another size in every log."""
-    found = held_out_difference(model, remainder, base.held_out, base.scale)
-    if found is None:
-        return None
+def _is_owned(found: LogDifferences, model: Candidate, base: BaseFit) -> bool:
+    """Whether a cause owns what differs: a law that is wrong asks for another size in every log."""
     of_causes = set(model.problem.free) - set(base.candidate.problem.free)
-    is_owned = not of_causes.isdisjoint({found.kinds[0], (found.beside or found).kinds[0]})
-    return None if is_owned else found
+    return not of_causes.isdisjoint({found.kinds[0], (found.beside or found).kinds[0]})
 
 
 def _are_comparable(fitted: Sequence[Log], others: Sequence[Log]) -> bool:

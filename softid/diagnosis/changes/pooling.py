@@ -16,7 +16,11 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import independent_share
 from softid.diagnosis.changes.log_differences import squares_of, standing_over
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
+from softid.diagnosis.refit.parts_of_logs import (
+    REFIT_EVALUATIONS,
+    refitted,
+    white_standard_errors,
+)
 from softid.errors import IdentificationError, InputError
 from softid.log import Log
 from softid.parallel import in_parallel
@@ -91,7 +95,7 @@ def _most_different(alone: Sequence[Candidate]) -> tuple[str, tuple[float, ...]]
     """The parameter whose values are the most standard errors apart, and its changes."""
     free = alone[0].problem.free
     z = np.array([one.minimum.point[: len(free)] for one in alone])
-    errors = np.array([_standard_errors(one)[: len(free)] for one in alone])
+    errors = np.array([white_standard_errors(one)[: len(free)] for one in alone])
     pairs = [(a, b) for b in range(len(alone)) for a in range(b)]
     apart = [np.abs(z[a] - z[b]) / np.hypot(errors[a], errors[b]) for a, b in pairs]
     most = np.nan_to_num(np.max(apart, axis=0))
@@ -100,11 +104,3 @@ def _most_different(alone: Sequence[Candidate]) -> tuple[str, tuple[float, ...]]
     if not (most.max() > LEAST_DIFFERENCE and first):
         return "", ()
     return name, tuple(value / first - 1.0 for value in others)
-
-
-def _standard_errors(one: Candidate) -> Array:
-    """Of all unknowns on the scale of the search, as if the noise were white, shape (U,)."""
-    variance = one.squares / max(one.problem.n_samples - one.problem.size, 1)
-    inverse = np.linalg.pinv(one.minimum.normal.matrix, hermitian=True)
-    errors: Array = np.sqrt(np.maximum(variance * np.diag(inverse), np.finfo(float).tiny))
-    return errors

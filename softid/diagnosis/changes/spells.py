@@ -17,7 +17,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs
 from softid.diagnosis.residual.motion import residual_context
-from softid.diagnosis.residual.noise_floor import fastest_part
+from softid.diagnosis.residual.noise_floor import DEAD_AFTER, fastest_part
 from softid.errors import IdentificationError, InputError
 from softid.intersample import is_abrupt
 from softid.log import Log
@@ -60,9 +60,6 @@ exceptions."""
 
 BEGINNING = 0.1
 """What begins in this share of a log is no spell, for much relaxes after the first motion."""
-
-SETTLED = 5.0
-"""Time constants after which the motion has settled: less than a hundredth is left."""
 
 INSIDE_SHARE = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
@@ -169,7 +166,7 @@ def is_of_a_jump(log: Log, span_s: tuple[float, float], motion_s: float) -> bool
     abrupt = np.flatnonzero(is_abrupt(log.channels[log.input].values))
     begin, end = span_s
     jumps_s = log.time_s[abrupt]
-    return bool(np.any((jumps_s <= begin) & (end <= jumps_s + SETTLED * motion_s)))
+    return bool(np.any((jumps_s <= begin) & (end <= jumps_s + DEAD_AFTER * motion_s)))
 
 
 def loudest(excess: Array) -> tuple[int, int, float]:

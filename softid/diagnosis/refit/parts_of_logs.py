@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.errors import IdentificationError
 from softid.fitters.problem import Problem
 from softid.log import Log
+
+Array = npt.NDArray[np.float64]
 
 EXACT = 1000
 """Most steps in a sampling interval: as many as the law asks for, since noise is what is left."""
@@ -58,3 +61,17 @@ def refitted(
             end = advance(end, sigma, evaluations, substeps=EXACT)
         ends.append(end)
     return min(ends, key=lambda end: end.squares)
+
+
+def white_standard_errors(one: Candidate) -> Array:
+    """Of all unknowns on the scale of the search, as if the noise were white, shape (U,).
+
+    Parameters
+    ----------
+    one
+        A model at its optimum.
+    """
+    variance = one.squares / max(one.problem.n_samples - one.problem.size, 1)
+    inverse = np.linalg.pinv(one.minimum.normal.matrix, hermitian=True)
+    errors: Array = np.sqrt(np.maximum(variance * np.diag(inverse), np.finfo(float).tiny))
+    return errors

@@ -109,7 +109,7 @@ def held_out_change_issues(
     if found is not None:
         texts = DifferenceTexts.of(judged.problem)
         told = texts.issue(found, judged.problem.logs, "the fitted logs")
-        gain = gain_beside_difference(model, remainder, base) if model.effects else None
+        gain = gain_beside_difference(found, model, base) if model.effects else None
         beside = f"{BESIDE}{percent(gain)} of the error there" if gain is not None else ""
         return (replace(told, code=HELD_OUT_CHANGE, message=f"{told.message}{beside}"),)
     errors = held.first_errors(model)

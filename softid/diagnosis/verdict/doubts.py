@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.changes.held_out_difference import gain_beside_difference
+from softid.diagnosis.changes.held_out_difference import gain_beside_difference, held_out_difference
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.motion import heard, residual_context, samples_alike
 from softid.diagnosis.residual.noise_floor import fastest_part
@@ -112,7 +112,8 @@ def with_doubts(
         if doubt is None and cause.key in pieces:
             doubt = Doubt.MENDS
         if doubt in NO_GAIN and is_alone:
-            beside = gain_beside_difference(final, remainder, base)
+            differs = held_out_difference(final, remainder, held_out, scale)
+            beside = gain_beside_difference(differs, final, base)
             doubt = doubt if beside is None or beside < GAINS_BESIDE else None
         if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
             doubt = Doubt.DOES_NOT_OCCUR

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +12,8 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
+from softid.diagnosis.changes.clock_jumps import is_clock_jump
+from softid.diagnosis.changes.log_differences import LogDifferences
 from softid.diagnosis.changes.spells import (
     is_of_a_jump,
     loudest,
@@ -18,6 +21,7 @@ from softid.diagnosis.changes.spells import (
     spells_of,
 )
 from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
 from softid.diagnosis_results import Verdict
 from softid.errors import InputError
@@ -181,6 +185,18 @@ def test_a_clock_that_jumps_before_fast_motion_is_told() -> None:
     told = re.search(r"the delay of the reading changes by (\S+) s", message)
     assert told is not None
     assert float(told[1]) == pytest.approx(-0.2, abs=0.01)
+
+
+@pytest.mark.parametrize(("late_s", "jumps"), [(0.0, True), (0.1, False)])
+def test_a_delay_that_the_rest_has_too_is_no_jump(late_s: float, jumps: bool) -> None:
+    """Known truth of the slow part, to which a model is fitted; behind it 0.1 s seem to be lost."""
+    late = linear_angle(TIME_S, np.interp(TIME_S - late_s, TIME_S, FASTER))
+    reference = fit(faster_log(late).with_masked(TIME_S >= 20.0))
+    scale = scale_of(reference.problem, reference.minimum.point)
+    change = LogDifferences(("delay",), (0.1,), 1.0)
+    assert is_clock_jump(change, reference, scale, {"angle": NOISE}) is jumps
+    other = replace(change, kinds=("gain",))
+    assert not is_clock_jump(other, reference, scale, {"angle": NOISE})
 
 
 def test_what_fast_motion_shows_is_no_clock_that_jumps() -> None:
