@@ -235,9 +235,10 @@ class CauseSearch:
             if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
                 continue  # it was raced with its own forms only
             left = self.remainder_of(longer.final)
-            if not left.structured and left.explained_share > EXPLAINED:
-                longer = self._of_first_order(longer)  # it leaves noise: no third one is looked for
+            if left.explained_share > EXPLAINED:
+                longer = self._of_first_order(longer)
                 longer = self._revise(longer) if len(longer.links) > 1 else longer
+                longer = self._with_third(longer) if left.structured else longer
                 found = self.judged(longer, other.final)
                 if found.is_sure:
                     return found
