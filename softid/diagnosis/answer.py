@@ -28,8 +28,9 @@ from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.noise_model import noise_with_moments, refined_under
 from softid.diagnosis.residual.parameter_constancy import variations
-from softid.diagnosis.search.backward_revision import prefix_models, refit_without
+from softid.diagnosis.search.backward_revision import refit_without
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search.order_of_size import prefix_models
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
@@ -206,8 +207,7 @@ def _with_errors_without(
 
 def _errors_by_link(chain: Chain, base: BaseFit, held_out: HeldOut) -> list[Array]:
     """What is missed of the held-out samples without a cause, with the first one, and so on."""
-    models = prefix_models(chain, base.candidate, base.scale, base.sigma)
-    return [held_out.first_errors(model) for model in models]
+    return [held_out.first_errors(model) for model in prefix_models(chain, base.candidate)]
 
 
 def _variations(

@@ -24,6 +24,7 @@ from softid.diagnosis.search.indistinct import (
     with_rivals_in_misfit,
 )
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
+from softid.diagnosis.search.order_of_size import largest_first
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
 from softid.diagnosis.search_result import SearchResult, is_same_model
 from softid.diagnosis.verdict.doubts import is_within_samples
@@ -365,30 +366,25 @@ class CauseSearch:
         chain, first
             As in `SearchResult`.
         """
-        held_out = self.base.held_out
-        before, after = held_out.rms(self.base.candidate), held_out.rms(chain.final)
+        base, held_out = self.base, self.base.held_out
+        chain = largest_first(chain, base.candidate, base.scale, base.sigma)
+        before, after = held_out.rms(base.candidate), held_out.rms(chain.final)
         if chain.links and after > (1.0 - LEAST_GAIN) * before:
             # A chain that gains nothing is chance.
-            chain, after = Chain((), chain.links[0], self.base.candidate), before
+            chain, after = Chain((), chain.links[0], base.candidate), before
         self.report("looking at what is left", 0.85)
         remainder = self.remainder_of(chain.final)
         links = tuple(with_rivals_held_out(link, chain.final, held_out.rms) for link in chain.links)
         if remainder.structured:
             links = tuple(with_rivals_in_misfit(link) for link in links)
-        remainder = with_held_out(remainder, before, chain.final, held_out, self.base.sigma)
+        remainder = with_held_out(remainder, before, chain.final, held_out, base.sigma)
         best = best_of_tie(links, chain.final, held_out.rms)
         of_tie = None
         if best is not chain.final:
-            of_tie = with_held_out(remainder, before, best, held_out, self.base.sigma)
-        another = partial(is_another_actuator, chain.final, remainder, self.base)
+            of_tie = with_held_out(remainder, before, best, held_out, base.sigma)
+        another = partial(is_another_actuator, chain.final, remainder, base)
         gain = 1.0 - after / before
         is_named = nameable(
             links, chain.final, remainder, gain=gain, of_tie=of_tie, is_another=another
         )
-        pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
-        return SearchResult(
-            replace(chain, links=tuple(link for link, _ in pairs)),
-            remainder,
-            tuple(sure for _, sure in pairs),
-            first,
-        )
+        return SearchResult(replace(chain, links=links), remainder, is_named, first)

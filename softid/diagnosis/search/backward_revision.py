@@ -227,32 +227,6 @@ def refit_without(
     return refit_with_fewer(chain.final, base, others, scale, sigma)
 
 
-def prefix_models(
-    chain: Chain, base: Candidate, scale: Scale, sigma: Mapping[str, float]
-) -> tuple[Candidate, ...]:
-    """The models with no cause, with the first, with the first two, and so on to all of them.
-
-    Parameters
-    ----------
-    chain
-        The chain; a revised link was judged with the later ones in the model.
-    base, scale, sigma
-        As in `revised`.
-    """
-    if not chain.links:
-        return (base,)
-    known = [c for link in chain.links for c in (link.chosen.plain, link.found) if c is not None]
-    effects = [link.added for link in chain.links]
-    between = []
-    for k in range(1, len(effects)):
-        keys = {effect.key for effect in effects[:k]}
-        found = [candidate for candidate in known if set(candidate.keys) == keys]
-        if not found:
-            found = [refit_with_fewer(chain.final, base, effects[:k], scale, sigma)]
-        between.append(min(found, key=lambda c: c.squares))
-    return (base, *between, chain.final)
-
-
 def _placed_without(
     now: Candidate, base: Candidate, others: Sequence[Effect], scale: Scale
 ) -> Candidate:

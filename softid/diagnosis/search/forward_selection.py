@@ -93,6 +93,9 @@ class Link:
         Sum of squares of what was to be extended, for white noise: what the promises are shares of.
     found
         The model with this link and those before it, at its optimum when the link was added.
+    squares_before_it
+        Sum of squares, for white noise, of the model with the links before it alone, where that is
+        known to be another one than when it was added.
     replaced
         Names of other laws, and the model with them in the place of this and perhaps other causes,
         which explains the logs as well.
@@ -105,7 +108,13 @@ class Link:
     signatures: tuple[Signature, ...]
     squares_before: float
     found: Candidate | None = None
+    squares_before_it: float | None = None
     replaced: tuple[tuple[str, Candidate], ...] = ()
+
+    @property
+    def left_before(self) -> float:
+        """Sum of squares that the links before it leave, for white noise."""
+        return self.squares_before if self.squares_before_it is None else self.squares_before_it
 
     @property
     def added(self) -> Effect:

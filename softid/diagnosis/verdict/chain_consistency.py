@@ -145,7 +145,7 @@ def taken_by(links: Sequence[Link], squares_left: float) -> list[float]:
     squares_left
         Sum of squares that the last model leaves.
     """
-    squares = [*(link.squares_before for link in links), squares_left]
+    squares = [*(link.left_before for link in links), squares_left]
     return [max(before - after, 0.0) for before, after in pairwise(squares)]
 
 

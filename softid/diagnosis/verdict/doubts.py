@@ -185,7 +185,7 @@ def dwarfed(chain: Chain) -> set[str]:
     chain
         The chain.
     """
-    squares = [*(link.squares_before for link in chain.links), chain.final.squares]
+    squares = [*(link.left_before for link in chain.links), chain.final.squares]
     falls = [before - after for before, after in pairwise(squares)]
     least = DWARFED**2 * max(falls, default=0.0)
     return {link.added.key for link, f in zip(chain.links, falls, strict=True) if f < least}

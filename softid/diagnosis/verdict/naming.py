@@ -134,7 +134,7 @@ def nameable(
         or gain < LEAST_JOINT_GAIN
     ):
         return (False,) * len(links)
-    squares = [*(link.squares_before for link in links), final.squares]
+    squares = [*(link.left_before for link in links), final.squares]
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
 
 

@@ -105,7 +105,7 @@ class Replacement:
         if held_out.rms(other) < held_out.rms(final):
             return True
         kept = {effect.key for effect in other.effects}
-        before = max(link.squares_before for link in links if link.added.key not in kept)
+        before = max(link.left_before for link in links if link.added.key not in kept)
         return before - other.squares > self.most * (before - final.squares)
 
     def asks(self, named: Sequence[Effect]) -> bool:

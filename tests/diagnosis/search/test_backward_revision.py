@@ -18,7 +18,6 @@ from softid.diagnosis.search.backward_revision import (
     _is_beyond_doubt,
     _with_first_look,
     _without_stepping_stone,
-    prefix_models,
     refit_without,
     revised,
 )
@@ -159,29 +158,6 @@ def test_what_was_looked_at_first_stays_in_the_evidence() -> None:
     found = _with_first_look(again, asked)
     told = {s.effect.key: s.drop / found.squares_before for s in found.signatures}
     assert told == {"delay": 0.1, "creep": pytest.approx(0.3)}
-
-
-def test_models_with_the_first_causes() -> None:
-    """Each is at the optimum of its own causes: a drift alone, whatever a later one took over."""
-    base, scale = base_with(rate=0.01, size=0.2)
-    chain = revised(chained(base, scale, "sensor_drift", "bow"), base, (DRIFT, Bow()), scale, SIGMA)
-    models = prefix_models(chain, base, scale, SIGMA)
-    assert models[0] is base
-    assert models[-1] is chain.final
-    first = chain.links[0].added
-    assert models[1].keys == (first.key,)
-    alone = chained(base, scale, first.key).final
-    assert models[1].squares == pytest.approx(alone.squares, rel=1e-3)
-
-
-def test_a_model_of_the_search_stands_for_the_first_causes() -> None:
-    """A refit from where all causes stand may stop at a worse optimum than the search found."""
-    base, scale = base_with(rate=0.01, size=0.2)
-    chain = chained(base, scale, "sensor_drift", "bow")
-    alone = chained(base, scale, "sensor_drift").final
-    first, second = chain.links
-    first = replace(first, chosen=replace(first.chosen, plain=chain.final), found=alone)
-    assert prefix_models(replace(chain, links=(first, second)), base, scale, SIGMA)[1] is alone
 
 
 def test_a_single_link_is_not_asked_again() -> None:
