@@ -236,6 +236,8 @@ class CauseSearch:
             if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
                 continue  # it was raced with its own forms only
             left = self.remainder_of(longer.final)
+            if left.structured and not self._may_outdo(known, longer):
+                continue
             if left.explained_share > EXPLAINED:
                 longer = self._of_first_order(longer)
                 longer = self._revise(longer) if len(longer.links) > 1 else longer
@@ -245,6 +247,11 @@ class CauseSearch:
                     return found
                 self._unsure.append(found.chain.final)
         return None
+
+    def _may_outdo(self, known: Chain, other: Chain) -> bool:
+        """Whether two causes that leave something may lead to more than is known with a third."""
+        names, taken = ({e.name for e in chain.final.effects} for chain in (known, other))
+        return self.remainder_of(known.final).structured and not taken <= names
 
     @property
     def promising(self) -> Candidate | None:
