@@ -324,3 +324,22 @@ def test_a_hysteresis_that_turns_over_the_whole_range_is_found() -> None:
     assert cause.effect == "hysteresis"
     told = {p.name: p.value for p in cause.parameters}
     assert told["hysteresis_zs"] == pytest.approx(values["zs"], rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_cause_that_errs_elsewhere_for_want_of_another_is_found() -> None:
+    """Stands on the generator's truth: held-out logs reach the end of the sensor's range further.
+
+    So an inertia that grows with the pressure predicts worse until the clipping is in the model,
+    and a slow clock keeps the two from leaving noise.
+    """
+    values = {
+        "pressure_mass": {"m": 0.012128667082459871},
+        "sensor_clipping": {"upper": 66.17689964741061},
+        "clock_rate": {"rate": -9.807610118380213e-05},
+    }
+    pair = hidden_pair(tuple(values), seed=312000, values=values)
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    assert {cause.effect for cause in found.causes} == set(values)
+    assert found.causes[0].effect == "pressure_mass"
+    assert all_recovered(found, pair)

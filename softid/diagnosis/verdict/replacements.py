@@ -49,7 +49,7 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SmoothedInput,
     UnevenReading,
 )
-from softid.effects import effect_of
+from softid.effects import effect_of, own_values
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
 
@@ -243,12 +243,24 @@ def with_replacements(
     rankings = rank_either_way([final, *(one for one in others if one is not None)], base.sigma)
     found = list(links)
     for (row, laws, _), other in zip(tries, others, strict=True):
-        if other is None:
+        if other is None or _is_within_samples(row, laws, other, base.scale.period_s):
             continue
         is_alike = all(_is_alike(other, final, row.behind, ranked) for ranked in rankings)
         if is_alike or row.does_as_much(links, other, final, base.held_out):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
+
+
+def _is_within_samples(
+    row: Replacement, laws: Sequence[Effect], other: Candidate, period_s: float
+) -> bool:
+    """Whether laws differ from a cause in whose place they are by less than a sampling interval."""
+    for law in laws:
+        values = own_values(law, other.parameters)
+        simpler = law.simpler(values)
+        if simpler is not None and simpler[0] in row.causes:
+            return law.differs_within(values) < period_s
+    return False
 
 
 def _is_alike(other: Candidate, final: Candidate, behind: float, ranked: Sequence[Ranked]) -> bool:

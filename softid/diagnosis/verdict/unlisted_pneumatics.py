@@ -213,6 +213,14 @@ class UnevenDelay(InputEffect):
         delays = [min(share * scale.motion_s, 0.5 * longest) for share in START_DELAYS]
         return tuple({"up": up, "down": down} for up, down in (delays, reversed(delays)))
 
+    def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
+        """A delay by the mean of both."""
+        return "delay", {"tau": 0.5 * (values["up"] + values["down"])}
+
+    def differs_within(self, values: Mapping[str, float]) -> float:
+        """The time by which one delay is longer than the other."""
+        return abs(values["up"] - values["down"])
+
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The input that has arrived by then."""
         del scale

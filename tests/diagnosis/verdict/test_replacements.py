@@ -21,10 +21,13 @@ from softid.diagnosis.search.forward_selection import Link, converged
 from softid.diagnosis.verdict.equivalence import CHANGING, TWO_HYSTERESES
 from softid.diagnosis.verdict.replacements import (
     REPLACEMENTS,
+    Replacement,
     _asked,
+    _is_within_samples,
     _tries,
     with_replacements,
 )
+from softid.diagnosis.verdict.unlisted_pneumatics import UnevenDelay
 from softid.diagnosis_results import Alternative
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
@@ -316,3 +319,19 @@ def test_a_power_in_the_place_of_a_stiffening_up_to_a_wall() -> None:
     found = diagnose(log, hold_out=[judge], model="muscle", effects=two)
     ties = sorted(tie.effects for tie in found.alternatives)
     assert ties == [(one, "power_spring") for one in two]
+
+
+@pytest.mark.parametrize(
+    ("cause", "down", "is_within"),
+    [("delay", 0.108, True), ("delay", 0.092, True), ("delay", 0.12, False), ("creep", 0.1, False)],
+)
+def test_a_law_that_differs_within_a_sampling_interval_is_no_rival(
+    cause: str, down: float, is_within: bool
+) -> None:
+    """What the input does within 10 ms is unknown, so two delays that far apart are one."""
+    law = UnevenDelay()
+    found: Any = SimpleNamespace(parameters={"uneven_delay_up": 0.1, "uneven_delay_down": down})
+    row = Replacement((cause,), ((law,),))
+    assert _is_within_samples(row, (law,), found, 0.01) is is_within
+    like = law.simpler({"up": 0.1, "down": down})
+    assert like == ("delay", {"tau": pytest.approx(0.5 * (0.1 + down))})
