@@ -31,33 +31,57 @@ def _filters(reflection: Array, filters: Array, ratio: Array) -> None:
             filters[t, i] = filters[t - 1, i] - k * filters[t - 1, t - i]
 
 
+@kernel
+def weigh_products(
+    reflection: Array, when: Index, first: Index, second: Index, weights: Array, ratios: Array
+) -> None:
+    """With what weights lagged products make up those of the prediction errors of several models.
+
+    Parameters
+    ----------
+    reflection
+        Reflection coefficients of B models, shape (B, q) with q at most p.
+    when, first, second
+        Order t and two places i and j in its filter, each of shape (T,).
+    weights
+        Receives those of the products at these places, shape (B, T).
+    ratios
+        Receives the error variance of every order over the innovation's, shape (B, p + 1).
+    """
+    size = ratios.shape[1]
+    filters = np.zeros((size, size))
+    for b in range(reflection.shape[0]):
+        ratio = ratios[b]
+        _filters(reflection[b], filters, ratio)
+        for row in range(when.size):
+            t = when[row]
+            weights[b, row] = filters[t, first[row]] * filters[t, second[row]] / ratio[t]
+
+
 @njit(nogil=True, error_model="numpy")
-def _factorise(form: Array) -> bool:
-    """Cholesky's factor in the lower triangle; False where the matrix is not definite."""
-    for i in range(form.shape[0]):
+def _factorise(form: Array, width: int) -> bool:
+    """Cholesky's factor in a lower triangle, row by row; False where it is not definite."""
+    row = 0
+    for i in range(width):
+        other = 0
         for j in range(i + 1):
-            left = form[i, j]
+            left = form[row + j]
             for k in range(j):
-                left -= form[i, k] * form[j, k]
+                left -= form[row + k] * form[other + k]
             if j < i:
-                form[i, j] = left / form[j, j]
+                form[row + j] = left / form[other + j]
             elif 0.0 < left < np.inf:
-                form[i, i] = np.sqrt(left)
+                form[row + i] = np.sqrt(left)
             else:
                 return False
+            other += j + 1
+        row += i + 1
     return True
 
 
 @kernel
 def reduce_forms(
-    reflection: Array,
-    when: Index,
-    first: Index,
-    second: Index,
-    packed: Array,
-    counts: Array,
-    determinant: Array,
-    left: Array,
+    forms: Array, ratios: Array, counts: Array, determinant: Array, left: Array
 ) -> None:
     """log|V| + log|QᵀV⁻¹Q| and rᵀP r of several autoregressions for unit innovations.
 
@@ -66,35 +90,27 @@ def reduce_forms(
 
     Parameters
     ----------
-    reflection
-        Reflection coefficients of B models, shape (B, q) with q at most p.
-    when, first, second
-        Order t and two places i and j in its filter, each of shape (T,).
-    packed
-        Products of the m columns of Q and r at these places, summed over the samples that are
-        predicted by order t, shape (T, (m + 1)²).
+    forms
+        Products in V⁻¹ of the m columns of Q and r, the lower triangle row by row, shape
+        (B, (m + 1)(m + 2)/2); receives its factor by Cholesky.
+    ratios
+        From `weigh_products`, shape (B, p + 1).
     counts
-        Number of those samples, shape (p + 1,).
+        Number of samples that are predicted by every order, shape (p + 1,).
     determinant, left
         Receive the two, each of shape (B,); the second is negative where the products are not
         definite.
     """
-    size, width = counts.size, int(np.sqrt(packed.shape[1]) + 0.5)
-    filters, ratio, form = np.zeros((size, size)), np.empty(size), np.empty(width * width)
-    for b in range(reflection.shape[0]):
-        _filters(reflection[b], filters, ratio)
-        form[:] = 0.0
-        for row in range(when.size):
-            t = when[row]
-            weight = filters[t, first[row]] * filters[t, second[row]] / ratio[t]
-            for entry in range(form.size):
-                form[entry] += weight * packed[row, entry]
-        square = form.reshape((width, width))
+    width = int(np.sqrt(2.0 * forms.shape[1]))  # of a triangle of width·(width + 1)/2 entries
+    for b in range(forms.shape[0]):
+        form = forms[b]
         determinant[b], left[b] = 0.0, -1.0
-        if not _factorise(square):
+        if not _factorise(form, width):
             continue
-        for t in range(size):
-            determinant[b] += counts[t] * np.log(ratio[t])
+        for t in range(counts.size):
+            determinant[b] += counts[t] * np.log(ratios[b, t])
+        corner = -1
         for i in range(width - 1):
-            determinant[b] += 2.0 * np.log(square[i, i])
-        left[b] = square[width - 1, width - 1] ** 2
+            corner += i + 1
+            determinant[b] += 2.0 * np.log(form[corner])
+        left[b] = form[-1] ** 2

@@ -310,10 +310,10 @@ def _at_scale(
 
 def _moments(block: ResidualBlock, order: int) -> Moments:
     """Moments in a basis of what the parameters can reach, which is not made where none is due."""
-    if is_clear(block):
-        known = (block.gram, block.cross) if order == 0 else None
-        rows = () if known is not None else block.rows
-        return gather_moments(block.residuals, rows, order, project=projection(block), known=known)
+    if order == 0 and is_clear(block):
+        project = projection(block)
+        known = project.T @ block.gram @ project, block.cross @ project
+        return gather_moments(block.residuals, (), order, known=known)
     return gather_moments(block.residuals, reachable(block), order)
 
 
@@ -370,8 +370,9 @@ def _assemble(
 
 
 def _quantile(freedom: Array, level: float) -> Array:
-    each = np.vectorize(student_quantile, otypes=[np.float64])
-    return np.asarray(each(np.maximum(freedom, MIN_FREEDOM), 0.5 + level / 2.0), np.float64)
+    degrees = np.maximum(freedom, MIN_FREEDOM)
+    each = [student_quantile(nu, 0.5 + level / 2.0) for nu in degrees.ravel().tolist()]
+    return np.reshape(each, degrees.shape)
 
 
 def _check(blocks: Sequence[ResidualBlock], names: Sequence[str]) -> None:

@@ -58,11 +58,14 @@ class Moments:
 
     @cached_property
     def packed(self) -> Array:
-        """``products`` of every pair of lags with those of the pair turned round, (terms, m²)."""
+        """``products`` of every pair of lags with those of the pair turned round.
+
+        What they sum to is symmetric: of each the lower triangle, shape (terms, m·(m + 1)/2).
+        """
         when, first, second = self.terms
         there = self.products[when, first, second]
         both = there + np.where((first > second)[:, None, None], there.transpose(0, 2, 1), 0.0)
-        return both.reshape(len(when), -1)
+        return np.ascontiguousarray(both[:, np.tri(both.shape[1], dtype=bool)])
 
     @property
     def reachable(self) -> int:
@@ -75,7 +78,6 @@ def gather_moments(
     reach: Sequence[Array],
     max_order: int,
     *,
-    project: Array | None = None,
     known: tuple[Array, Array] | None = None,
 ) -> Moments:
     """Sum the lagged products of residuals and basis over all stretches.
@@ -88,11 +90,9 @@ def gather_moments(
         Basis of what the parameters can do to each segment, shape (n_s, m − 1).
     max_order
         Highest order p of an autoregression that will be asked for.
-    project
-        What makes ``reach`` the basis where it is not one itself, shape (columns, m − 1).
     known
-        Its products over all samples in use with itself and with the residuals, of shapes
-        (m − 1, m − 1) and (m − 1,), where they will do.
+        Products of the basis over all samples in use with itself and with the residuals, of shapes
+        (m − 1, m − 1) and (m − 1,), where they will do: for order 0.
     """
     width = (reach[0] if known is None else known[0]).shape[1] + 1
     size = max_order + 1
@@ -106,8 +106,7 @@ def gather_moments(
                 products[0, 0, 0, -1, -1] += residual[span] @ residual[span]
                 counts[0] += span.stop - span.start
                 continue
-            basis = reach[k]
-            y = np.column_stack((basis[span], residual[span]))
+            y = np.column_stack((reach[k][span], residual[span]))
             _add_start(products, counts, y[:max_order])
             if y.shape[0] > max_order:
                 products[max_order] += _bulk(y, max_order)
@@ -115,15 +114,10 @@ def gather_moments(
     if known is not None:
         products[0, 0, 0, :-1, :-1], cross = known
         products[0, 0, 0, :-1, -1] = products[0, 0, 0, -1, :-1] = cross
-    if project is not None:
-        whole = np.zeros((width, project.shape[1] + 1))
-        whole[:-1, :-1], whole[-1, -1] = project, 1.0
-        products = whole.T @ products @ whole
     scale = np.einsum("taakk->k", products[:, :1, :1]) / max(counts.sum(), 1.0)
     floor = np.diag(np.append(NUGGET * scale[:-1], MIN_LEFT * scale[-1]))
-    for t in range(size):
-        for i in range(t + 1):
-            products[t, i, i] += counts[t] * floor
+    for i in range(size):
+        products[i:, i, i] += counts[i:, None, None] * floor
     return Moments(products, counts, longest)
 
 
@@ -145,6 +139,5 @@ def _bulk(y: Array, p: int) -> Array:
     first, last = y[:p][::-1], y[n - p :][::-1]
     gained, lost = (np.einsum("ia,jb->ijab", ends, ends) for ends in (first, last))
     for i in range(p):
-        for j in range(p):
-            out[i + 1, j + 1] = out[i, j] + gained[i, j] - lost[i, j]
+        out[i + 1, 1:] = out[i, :p] + gained[i] - lost[i]
     return out

@@ -13,11 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError
-from softid.kernels.restricted_likelihood import reduce_forms
+from softid.kernels.restricted_likelihood import reduce_forms, weigh_products
 from softid.uncertainty.autoregression import AutoRegression, to_phi, to_reflection
 from softid.uncertainty.moments import Moments
 
 Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.intp]
 
 REFLECTION_STEP = 1e-3
 """Step of the central differences in artanh k; second differences are then good to 1e-3."""
@@ -25,7 +26,8 @@ REFLECTION_STEP = 1e-3
 Differences = tuple[Array, Array, tuple[float, float]]
 
 SIGNS = np.array([[1.0], [-1.0]])
-"""Both ways of a step: a mixed difference takes all four corners."""
+CORNERS = np.array([1.0, -1.0, -1.0, 1.0])
+"""Both ways of a step: a mixed difference takes all four corners, with these signs."""
 
 MAX_ITERATIONS = 30
 """Newton steps; five are usual."""
@@ -72,8 +74,11 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545; the prediction-error form of log|V|
     and V⁻¹ is Levinson's.
     """
-    determinant, left = np.empty(len(reflection)), np.empty(len(reflection))
-    reduce_forms(reflection, *moments.terms, moments.packed, moments.counts, determinant, left)
+    count, packed = len(reflection), moments.packed
+    weights, ratios = np.empty((count, len(packed))), np.empty((count, moments.counts.size))
+    weigh_products(reflection, *moments.terms, weights, ratios)
+    determinant, left = np.empty(count), np.empty(count)
+    reduce_forms(weights @ packed, ratios, moments.counts, determinant, left)
     good = left > 0.0
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
@@ -134,17 +139,19 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         )
     limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
     x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
-    known = None
-    for _ in range(MAX_ITERATIONS if x.size else 0):
-        known = gradient, curvature, (value, _) = differences(moments, x)
+    if not x.size:
+        return _finish(moments, start, x, None)
+    known, stencil = None, Stencil.of(x.size)
+    for _ in range(MAX_ITERATIONS):
+        known = gradient, curvature, (value, _) = differences(moments, x, stencil)
         trial = np.clip(x + damped_steps(gradient, curvature), -limit, limit)
         found = evaluate(moments, np.tanh(trial)).value
         best = int(np.argmin(found))
         if not found[best] < value - 1e-7:
             break
         x, known = trial[best], None
-    if known is None and x.size:
-        known = differences(moments, x)
+    if known is None:
+        known = differences(moments, x, stencil)
     return _finish(moments, start, x, known)
 
 
@@ -196,20 +203,43 @@ def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
     return phi * (limit / radius) ** np.arange(1, phi.size + 1), True
 
 
-def differences(moments: Moments, x: Array) -> Differences:
+@dataclass(frozen=True, eq=False)
+class Stencil:
+    """Where the objective is asked for its differences.
+
+    Attributes
+    ----------
+    first, second
+        The coordinates of every pair, each of shape (P,).
+    moves
+        From the centre: none, up and down each coordinate, and to the four corners of each pair,
+        shape (1 + 2q + 4P, q).
+    """
+
+    first: Index
+    second: Index
+    moves: Array
+
+    @classmethod
+    def of(cls, q: int) -> Stencil:
+        """In so many coordinates."""
+        first, second = np.triu_indices(q, 1)
+        eye = REFLECTION_STEP * np.eye(q)
+        pairs = eye[first][:, None, None] * SIGNS[:, None] + eye[second][:, None, None] * SIGNS
+        moves = np.concatenate([np.zeros((1, q)), eye, -eye, pairs.reshape(4 * first.size, q)])
+        return cls(first, second, moves)
+
+
+def differences(moments: Moments, x: Array, stencil: Stencil) -> Differences:
     """Gradient and Hessian of the objective in artanh k, its value and the innovation variance."""
     q = x.size
-    eye = REFLECTION_STEP * np.eye(q)
-    first, second = np.triu_indices(q, 1)
-    pairs = eye[first][:, None, None] * SIGNS[:, None] + eye[second][:, None, None] * SIGNS
-    points = np.concatenate([x[None], x + eye, x - eye, x + pairs.reshape(-1, q)])
-    found = evaluate(moments, np.tanh(points))
+    found = evaluate(moments, np.tanh(x + stencil.moves))
     value = found.value
     centre, plus, minus = value[0], value[1 : q + 1], value[q + 1 : 2 * q + 1]
     gradient = (plus - minus) / (2.0 * REFLECTION_STEP)
     curvature = np.diag((plus - 2.0 * centre + minus) / REFLECTION_STEP**2)
-    mixed = value[2 * q + 1 :].reshape(-1, 4) @ np.array([1.0, -1.0, -1.0, 1.0])
-    curvature[first, second] = curvature[second, first] = mixed / (4.0 * REFLECTION_STEP**2)
+    mixed = value[2 * q + 1 :].reshape(-1, 4) @ CORNERS / (4.0 * REFLECTION_STEP**2)
+    curvature[stencil.first, stencil.second] = curvature[stencil.second, stencil.first] = mixed
     return gradient, curvature, (float(centre), float(found.innovation_variance[0]))
 
 

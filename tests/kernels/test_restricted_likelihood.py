@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.kernels.restricted_likelihood import reduce_forms
+from softid.kernels.restricted_likelihood import reduce_forms, weigh_products
 from softid.uncertainty.autoregression import autocovariances
 from softid.uncertainty.moments import gather_moments
 
@@ -23,7 +23,9 @@ def test_determinants_and_what_is_left(order: int) -> None:
     moments = gather_moments([residual], [basis], MOST)
     reflection = rng.uniform(-0.9, 0.9, (3, order))
     determinant, left = np.empty(3), np.empty(3)
-    reduce_forms(reflection, *moments.terms, moments.packed, moments.counts, determinant, left)
+    weights, ratios = np.empty((3, len(moments.packed))), np.empty((3, MOST + 1))
+    weigh_products(reflection, *moments.terms, weights, ratios)
+    reduce_forms(weights @ moments.packed, ratios, moments.counts, determinant, left)
     places = np.abs(np.subtract.outer(np.arange(N), np.arange(N)))
     for k, gamma in enumerate(autocovariances(reflection, N)):
         inverse = np.linalg.inv(gamma[places])
@@ -36,6 +38,6 @@ def test_determinants_and_what_is_left(order: int) -> None:
 
 def test_products_that_are_not_definite_leave_less_than_nothing() -> None:
     """Two equal columns: their second pivot is zero."""
-    place, found, left = np.zeros(1, np.int64), np.empty(1), np.empty(1)
-    reduce_forms(np.zeros((1, 0)), place, place, place, np.ones((1, 4)), np.ones(1), found, left)
+    found, left = np.empty(1), np.empty(1)
+    reduce_forms(np.ones((1, 3)), np.ones((1, 1)), np.ones(1), found, left)
     assert left[0] < 0.0

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from softid.errors import IdentificationError
 from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar, to_phi
 from softid.uncertainty.moments import gather_moments
-from softid.uncertainty.restricted import differences, draw_in, evaluate, restricted_ar
+from softid.uncertainty.restricted import Stencil, differences, draw_in, evaluate, restricted_ar
 
 
 def dense_objective(parts: list[tuple[np.ndarray, np.ndarray]], reflection: np.ndarray) -> float:
@@ -88,7 +88,7 @@ def test_optimum_is_stationary() -> None:
     residual = y - basis @ (basis.T @ y)
     moments = gather_moments([residual], [basis], 2)
     fit = restricted_ar(moments, fit_ar([residual], max_order=2))
-    assert np.abs(differences(moments, fit.position)[0]).max() < 0.05
+    assert np.abs(differences(moments, fit.position, Stencil.of(fit.position.size))[0]).max() < 0.05
     assert not fit.ar.capped
 
 
