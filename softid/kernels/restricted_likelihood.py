@@ -59,24 +59,25 @@ def weigh_products(
 
 
 @njit(nogil=True, error_model="numpy")
-def _factorise(form: Array, width: int) -> bool:
-    """Cholesky's factor in a lower triangle, row by row; False where it is not definite."""
+def _factorise(forms: Array, width: int) -> None:
+    """Cholesky's factors in lower triangles, row by row, of many matrices side by side.
+
+    Where one is not definite, its last pivot is not positive.
+    """
     row = 0
     for i in range(width):
         other = 0
         for j in range(i + 1):
-            left = form[row + j]
+            entry = forms[row + j]
             for k in range(j):
-                left -= form[row + k] * form[other + k]
-            if j < i:
-                form[row + j] = left / form[other + j]
-            elif 0.0 < left < np.inf:
-                form[row + i] = np.sqrt(left)
-            else:
-                return False
+                mine, theirs = forms[row + k], forms[other + k]
+                for b in range(entry.size):
+                    entry[b] -= mine[b] * theirs[b]
+            pivot = forms[other + j]
+            for b in range(entry.size):
+                entry[b] = entry[b] / pivot[b] if j < i else np.sqrt(entry[b])
             other += j + 1
         row += i + 1
-    return True
 
 
 @kernel
@@ -92,25 +93,22 @@ def reduce_forms(
     ----------
     forms
         Products in V⁻¹ of the m columns of Q and r, the lower triangle row by row, shape
-        (B, (m + 1)(m + 2)/2); receives its factor by Cholesky.
+        ((m + 1)(m + 2)/2, B); receives its factor by Cholesky.
     ratios
         From `weigh_products`, shape (B, p + 1).
     counts
         Number of samples that are predicted by every order, shape (p + 1,).
     determinant, left
-        Receive the two, each of shape (B,); the second is negative where the products are not
+        Receive the two, each of shape (B,); the second is not positive where the products are not
         definite.
     """
-    width = int(np.sqrt(2.0 * forms.shape[1]))  # of a triangle of width·(width + 1)/2 entries
-    for b in range(forms.shape[0]):
-        form = forms[b]
-        determinant[b], left[b] = 0.0, -1.0
-        if not _factorise(form, width):
-            continue
+    width = int(np.sqrt(2.0 * forms.shape[0]))  # of a triangle of width·(width + 1)/2 entries
+    _factorise(forms, width)
+    for b in range(left.size):
+        determinant[b], left[b] = 0.0, forms[-1, b] ** 2
         for t in range(counts.size):
             determinant[b] += counts[t] * np.log(ratios[b, t])
         corner = -1
         for i in range(width - 1):
             corner += i + 1
-            determinant[b] += 2.0 * np.log(form[corner])
-        left[b] = form[-1] ** 2
+            determinant[b] += 2.0 * np.log(forms[corner, b])

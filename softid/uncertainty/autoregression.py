@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
+from softid.kernels.autocovariances import fill_autocovariances
 from softid.long_series import innovation_power
 from softid.uncertainty.burg import burg
 
@@ -22,10 +23,6 @@ BoolArray = npt.NDArray[np.bool_]
 MAX_ORDER = 8
 """Highest order tried: enough for a slow wander plus white sensor noise at the orders measured in
 ``tests/benchmarks/coverage_of_intervals.py``."""
-
-_BLOCK = 256
-"""Autocovariances that one product of matrices continues at most, a judgement: few calls for
-thousands of them, and few that are made after all have faded."""
 
 _FADED = 1e-18
 """Share of the variance below which autocovariances count as zero: even a hundred of them are lost
@@ -256,44 +253,9 @@ def autocovariances(reflection: Array, n: int) -> Array:
         Shape (B, n).
     """
     count, order = reflection.shape
-    gamma = np.zeros((count, max(n, order + 1)))
-    left = 1.0 / np.prod(1.0 - reflection**2, axis=1)
-    gamma[:, 0] = left
-    phi = np.zeros((count, 0))
-    for m in range(1, order + 1):
-        k = reflection[:, m - 1 : m]
-        known = gamma[:, m - 1 : 0 : -1]
-        gamma[:, m] = np.einsum("bj,bj->b", phi, known) + k[:, 0] * left
-        phi = np.concatenate((phi - k * phi[:, ::-1], k), axis=1)
-        left = left * (1.0 - k[:, 0] ** 2)
-    if order and n > order + 1:
-        _continue(phi, gamma)
-    return gamma[:, :n]
-
-
-def _continue(phi: Array, gamma: Array) -> None:
-    """Run x_k = Σ φ_j x_{k−j} on from the first p + 1 entries of every row.
-
-    Whole blocks follow from the p entries before them by one product with the responses to each.
-    The responses to twice as many steps follow from those to half of them.
-    """
-    count, order = phi.shape
-    response = np.zeros((count, order, order))  # row k: x_k from x_{−p} … x_{−1}
-    before = np.broadcast_to(np.eye(order), (count, order, order))
-    for k in range(order):
-        past = np.concatenate((before[:, k:], response[:, :k]), axis=1)
-        response[:, k] = np.matmul(phi[:, None, ::-1], past)[:, 0]
-    while response.shape[1] < min(_BLOCK, gamma.shape[1]):
-        response = np.concatenate((response, response @ response[:, -order:]), axis=1)
-    length = response.shape[1]
-    for first in range(order + 1, gamma.shape[1], length):
-        stop = min(first + length, gamma.shape[1])
-        ahead = response[:, : stop - first] @ gamma[:, first - order : first, None]
-        gamma[:, first:stop] = ahead[..., 0]
-        tail = np.abs(gamma[:, stop - order : stop]).max(axis=1)
-        if np.all(tail < _FADED * gamma[:, 0]):
-            break  # what would follow is rounding, and the rest is zero
-    gamma[np.abs(gamma) < _FADED * gamma[:, :1]] = 0.0
+    gamma = np.zeros((max(n, order + 1), count))
+    fill_autocovariances(np.ascontiguousarray(reflection), _FADED, gamma)
+    return np.ascontiguousarray(gamma[:n].T)
 
 
 def whiten(ar: AutoRegression, values: Array) -> Array:

@@ -78,7 +78,7 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     weights, ratios = np.empty((count, len(packed))), np.empty((count, moments.counts.size))
     weigh_products(reflection, *moments.terms, weights, ratios)
     determinant, left = np.empty(count), np.empty(count)
-    reduce_forms(weights @ packed, ratios, moments.counts, determinant, left)
+    reduce_forms(packed.T @ weights.T, ratios, moments.counts, determinant, left)
     good = left > 0.0
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
