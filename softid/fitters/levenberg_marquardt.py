@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.damped_systems import solve_damped
+from softid.kernels.damped_systems import bounded_step, find_movable, is_still, solve_damped
 
 Array = npt.NDArray[np.float64]
 
@@ -177,24 +177,24 @@ def minimise(
     progress = _Progress()
     scale = 1.0 / reach
     unit = _floored(scale)
+    squared_unit = unit**2
     if damping is None:
         damping = INITIAL_DAMPING * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
     while used < evaluations and math.isfinite(now.cost) and z.size:
         moving = movable(z, now.gradient, lower, upper)
         offset = attainable_offset(now, moving, reach)
-        if offset <= tolerance or not moving.any() or progress.stalls(used, now, offset):
-            break
-        step = _solved(now.matrix, damping * unit**2, now.gradient, moving)
-        longest = float(np.abs(scale * step).max())
-        step *= min(1.0, LARGEST_STEP / max(longest, 1e-300))
-        trial = within(z + step, lower, upper)
-        straight = trial - z
-        predicted = float(straight @ now.gradient - 0.5 * straight @ now.matrix @ straight)
+        if offset <= tolerance or progress.stalls(used, now, offset):
+            break  # nothing moves where the offset is 0
+        ridge = damping * squared_unit
+        step = _solved(now.matrix, ridge, now.gradient, moving)
+        trial = np.empty(z.size)
+        places = lower, upper, now.matrix, now.gradient, trial
+        longest, predicted = bounded_step(z, step, reach, LARGEST_STEP, *places)
         if bend is not None and longest > SHORT_STEP:
             pull = bend(z, step, now)
             used += 1
             if pull is not None:
-                correction = -0.5 * _solved(now.matrix, damping * unit**2, pull, moving)
+                correction = -0.5 * _solved(now.matrix, ridge, pull, moving)
                 with np.errstate(over="ignore"):  # a correction beyond all numbers is too large
                     share = _length(scale * correction) / _length(scale * step)
                 if 2.0 * share <= MOST_BEND:
@@ -206,7 +206,7 @@ def minimise(
                     damping = _damping_for(now, moving, unit, damping, shorter)
                     growth = 2.0
                     continue
-        if (np.abs(trial - z) <= SMALLEST_STEP * (np.abs(z) + SMALLEST_STEP)).all():
+        if is_still(z, trial, SMALLEST_STEP):
             break
         then = evaluate(trial)
         used += 1
@@ -248,8 +248,9 @@ def within(point: Array, lower: Array, upper: Array) -> Array:
 
 def movable(z: Array, gradient: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
     """Which unknowns are inside their bounds or pulled inward, shape (U,)."""
-    stuck = ((z <= lower) & (gradient < 0)) | ((z >= upper) & (gradient > 0))
-    return ~stuck & (upper > lower)
+    moving = np.empty(z.size, np.bool_)
+    find_movable(z, gradient, lower, upper, moving)
+    return moving
 
 
 def attainable_offset(
@@ -273,10 +274,10 @@ def attainable_offset(
     floor
         Smallest residual standard deviation that counts, for data without noise.
     """
-    count = int(moving.sum())
+    count = int(np.count_nonzero(moving))
     if count == 0:
         return 0.0
-    if not np.isfinite(normal.cost):
+    if not math.isfinite(normal.cost):
         return float("inf")
     variance = max(2.0 * normal.cost / max(normal.n - count, 1), floor**2, 1e-300)
     ridge = variance / reach**2

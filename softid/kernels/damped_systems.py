@@ -65,3 +65,83 @@ def solve_damped(
         for k in range(i):
             solution[k] -= lower[i, k] * solution[i]
     return True
+
+
+@kernel
+def find_movable(z: Array, gradient: Array, lower: Array, upper: Array, moving: BoolArray) -> None:
+    """Which unknowns are inside their bounds or pulled inward.
+
+    Parameters
+    ----------
+    z, gradient
+        Unknowns and the direction of descent there, each of shape (U,).
+    lower, upper
+        Bounds, each of shape (U,).
+    moving
+        Receives the answer, shape (U,).
+    """
+    for k in range(z.size):
+        stuck = (z[k] <= lower[k] and gradient[k] < 0.0) or (z[k] >= upper[k] and gradient[k] > 0.0)
+        moving[k] = not stuck and upper[k] > lower[k]
+
+
+@kernel
+def bounded_step(
+    z: Array,
+    step: Array,
+    reach: Array,
+    longest: float,
+    lower: Array,
+    upper: Array,
+    matrix: Array,
+    gradient: Array,
+    trial: Array,
+) -> tuple[float, float]:
+    """Shorten a step and keep it within bounds, z⁺ = min(max(z + s·step, l), u).
+
+    Parameters
+    ----------
+    z, step
+        Unknowns and a step from them, which is multiplied by s, each of shape (U,).
+    reach, longest
+        How far each unknown may plausibly move, shape (U,), and most of it that a step may go.
+    lower, upper
+        Bounds, each of shape (U,).
+    matrix, gradient
+        JᵀJ and Jᵀr there, of shapes (U, U) and (U,).
+    trial
+        Receives z⁺, shape (U,).
+
+    Returns
+    -------
+    length, predicted
+        The longest part of the step in units of its reach before it was shortened, and by how much
+        the cost should fall, dᵀJᵀr − ½ dᵀJᵀJ d with d = z⁺ − z.
+    """
+    length = 0.0
+    for k in range(z.size):
+        length = max(length, abs(step[k]) / reach[k])
+    share = min(1.0, longest / length) if length > 0.0 else 1.0
+    for k in range(z.size):
+        step[k] *= share
+        trial[k] = z[k] + step[k]
+        if trial[k] < lower[k]:  # what is not a number stays so, and is no step
+            trial[k] = lower[k]
+        elif trial[k] > upper[k]:
+            trial[k] = upper[k]
+    predicted = 0.0
+    for i in range(z.size):
+        pushed = 0.0
+        for j in range(z.size):
+            pushed += matrix[i, j] * (trial[j] - z[j])
+        predicted += (trial[i] - z[i]) * (gradient[i] - 0.5 * pushed)
+    return length, predicted
+
+
+@kernel
+def is_still(z: Array, trial: Array, least: float) -> bool:
+    """Whether no unknown moves by this share of itself, each of shape (U,)."""
+    still = True
+    for k in range(z.size):
+        still = still and abs(trial[k] - z[k]) <= least * (abs(z[k]) + least)
+    return still
