@@ -20,7 +20,6 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.even_times import even_interval_s
-from softid.long_series import moves_of_at_least
 
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -108,16 +107,16 @@ def jumps(values: Array) -> IntArray:
     """
     if values.size < 3:
         return np.empty(0, np.int64)
-    found = moves_of_at_least(values, max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny))
-    moves, count = np.abs(values[found + 1] - values[found]), values.size - 1
-    before = np.where(found > 0, np.abs(values[found] - values[found - 1]), 0.0)
-    after = np.abs(values[np.minimum(found + 2, count)] - values[found + 1])  # none after the last
-    is_jump = np.maximum(before, after) <= FLAT * moves
-    found, moves = found[is_jump], moves[is_jump]
+    from softid.kernels.input_jumps import count_changes, find_jumps
+
+    values, room = np.ascontiguousarray(values, float), np.empty(values.size // 2, np.int64)
+    least = max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny)
+    found = room[: find_jumps(values, least, FLAT, room)].copy()
     if found.size == 0:
         return found
+    moves, count = np.abs(values[found + 1] - values[found]), values.size - 1
     noise = np.nextafter(float(moves.min()) / ABOVE_NOISE, np.inf)
-    if 2 * (count - moves_of_at_least(values, noise).size) <= count + 1:  # else the median is less
+    if 2 * (count - count_changes(values, noise)) <= count + 1:  # else the median is less
         found = found[moves >= ABOVE_NOISE * float(np.median(np.abs(np.diff(values))))]
     return found
 

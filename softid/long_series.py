@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 PART = 8192
 """Samples of a part: with all that is made of them they take less than the second fastest cache,
@@ -112,25 +111,3 @@ def innovation_power(values: Array, phi: Array) -> float:
             left = left - coefficient * values[part.start - j : part.stop - j]
         total += float(left @ left)
     return total
-
-
-def moves_of_at_least(values: Array, least: float) -> IntArray:
-    """Indices k such that a series moves so far from sample k to the next one.
-
-    Parameters
-    ----------
-    values
-        The series, shape (n,).
-    least
-        Smallest move that counts.
-
-    Examples
-    --------
-    >>> moves_of_at_least(np.array([0.0, 0.0, 2.0, 1.0]), 1.0).tolist()
-    [1, 2]
-    """
-    found = [np.empty(0, np.int64)]
-    for part in _parts(0, values.size - 1):
-        moves = np.abs(np.diff(values[part.start : part.stop + 1]))
-        found.append(part.start + np.flatnonzero(moves >= least))
-    return np.concatenate(found)

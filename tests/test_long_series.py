@@ -10,7 +10,6 @@ from softid.long_series import (
     difference_powers,
     innovation_power,
     joint_powers,
-    moves_of_at_least,
     power_about,
 )
 
@@ -53,12 +52,3 @@ def test_innovations_are_what_the_past_does_not_foretell(order: int, n: int) -> 
     values, phi = rng.normal(size=n), 0.1 * rng.normal(size=order)
     left = np.convolve(values, np.append(1.0, -phi), mode="full")[order:n]
     assert innovation_power(values, phi) == pytest.approx(float(left @ left), rel=1e-12, abs=0.0)
-
-
-@pytest.mark.parametrize("n", SIZES)
-def test_moves_are_the_large_differences(n: int) -> None:
-    """Exactly, one that is just as large among them."""
-    values = np.cumsum(np.random.default_rng(n).normal(size=n))
-    moves = np.abs(np.diff(values))
-    least = float(np.sort(moves)[moves.size // 2]) if n > 1 else 0.0
-    np.testing.assert_array_equal(moves_of_at_least(values, least), np.flatnonzero(moves >= least))

@@ -108,6 +108,8 @@ def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:
     logs, held
         Fitted and held-out logs.
     """
+    if len(logs) + len(held) < 2:
+        return ()
     ways = [(log, correlation(LogSet((log,)))) for log in (*logs, *held)]
     clear = [(log, way) for log, way in ways if abs(way) >= CLEAR_CORRELATION]
     if not clear:
@@ -164,8 +166,9 @@ def _rises_behind_a_lag(logs: LogSet) -> bool:
     segments = [segment for log in part for segment in log.segments()]
     shortest_s = min(log.period_s for log in part)
     longest_s = LONGEST_LAG * max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
-    tried_s = np.geomspace(shortest_s, max(longest_s, shortest_s), TRIED_LAGS)
-    return any(correlation(part, lag_s=lag_s) >= UNDOUBTED for lag_s in tried_s.tolist())
+    tried_s = np.geomspace(shortest_s, max(longest_s, shortest_s), TRIED_LAGS).tolist()
+    middle_first = sorted(range(TRIED_LAGS), key=lambda k: abs(k - TRIED_LAGS // 2))
+    return any(correlation(part, lag_s=tried_s[k]) >= UNDOUBTED for k in middle_first)
 
 
 def _cost_of_start(model: Model, logs: LogSet) -> float:
