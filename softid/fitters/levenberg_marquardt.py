@@ -240,6 +240,13 @@ def next_point(found: Minimum, lower: Array, upper: Array, reach: Array) -> Arra
     return within(found.point + step, lower, upper)
 
 
+def whole_gain(normal: NormalEquations) -> float:
+    """½ gᵀ(JᵀJ)⁻¹g: by how much the step of all unknowns without damping should lower the cost."""
+    free, every = np.zeros(normal.gradient.size), np.ones(normal.gradient.size, np.bool_)
+    step = _solved(normal.matrix, free, normal.gradient, every)
+    return 0.5 * float(step @ normal.gradient)
+
+
 def within(point: Array, lower: Array, upper: Array) -> Array:
     """The nearest point within bounds, shape (U,)."""
     found: Array = np.minimum(np.maximum(point, lower), upper)

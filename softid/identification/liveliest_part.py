@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import NormalEquations
+from softid.fitters.levenberg_marquardt import NormalEquations, whole_gain
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import (
@@ -119,8 +119,7 @@ def promised(there: NormalEquations) -> float:
     there
         The normal equations of the unweighted residual.
     """
-    step = np.linalg.lstsq(there.matrix, there.gradient, rcond=None)[0]
-    return _misfit(there, max(there.cost - TRUSTED * 0.5 * float(step @ there.gradient), 0.0))
+    return _misfit(there, max(there.cost - TRUSTED * whole_gain(there), 0.0))
 
 
 def _misfit(normal: NormalEquations, cost: float) -> float:

@@ -326,8 +326,7 @@ def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> 
     trials = np.tanh(np.concatenate([fit.position + steps, fit.position - steps]))
     variances = evaluate(moments, trials).innovation_variance
     gammas = variances[:, None] * autocovariances(trials, form.lags)
-    diagonals = [form.diagonal(gamma) for gamma in gammas]
-    logarithms = np.log(np.maximum(diagonals, np.finfo(float).tiny))
+    logarithms = np.log(np.maximum(form.diagonal(gammas), np.finfo(float).tiny))
     up, down = np.split(logarithms, 2)
     slope = (up - down) / (2.0 * DIFFERENCE_STEP)
     return np.asarray(doubt + np.einsum("ik,ij,jk->k", slope, fit.spread, slope), np.float64)

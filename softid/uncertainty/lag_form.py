@@ -76,10 +76,13 @@ class LagForm:
         return tuple(w.dense if isinstance(w, FactoredRows) else w for w in self.rows)
 
     def diagonal(self, toeplitz: Array) -> Array:
-        """Diagonal of the form, shape (K,), for T_tu = toeplitz[|t − u|], shape (lags,)."""
-        if not toeplitz[1:].any():
-            return np.asarray(toeplitz[0] * np.diag(self.squares), np.float64)
-        return np.asarray(self._products @ toeplitz, np.float64)
+        """Diagonal of the form for T_tu = toeplitz[|t − u|]; of one T or of B of them.
+
+        Shape (K,) or (B, K) for ``toeplitz`` of shape (lags,) or (B, lags).
+        """
+        if not toeplitz[..., 1:].any():
+            return np.asarray(toeplitz[..., :1] * np.diag(self.squares), np.float64)
+        return np.asarray(toeplitz @ self._products.T, np.float64)
 
     def matrix(self, toeplitz: Array) -> Array:
         """The form, shape (K, K), for T_tu = toeplitz[|t − u|], shape (lags,)."""
