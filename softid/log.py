@@ -208,9 +208,10 @@ class Log:
     @cached_property
     def stretches(self) -> tuple[tuple[int, int], ...]:
         """Half-open ranges of samples between stalls; a single sample between two is none."""
-        breaks = np.flatnonzero(np.diff(self.time_s) > self.stall_s) + 1
-        edges = [0, *breaks.tolist(), len(self)]
-        return tuple((a, b) for a, b in pairwise(edges) if b - a >= 2)
+        interval_s = np.diff(self.time_s)
+        is_short = interval_s.max() <= STALL_MIN_S  # as in most logs, and no median is due
+        breaks = [] if is_short else (np.flatnonzero(interval_s > self.stall_s) + 1).tolist()
+        return tuple((a, b) for a, b in pairwise((0, *breaks, len(self))) if b - a >= 2)
 
     def segments(self) -> tuple[Segment, ...]:
         """The stretches in order, each with a state of its own; one for all in a bridged log."""
