@@ -109,7 +109,8 @@ def jumps(values: Array) -> IntArray:
         return np.empty(0, np.int64)
     from softid.kernels.input_jumps import count_changes, find_jumps
 
-    values, room = np.ascontiguousarray(values, float), np.empty(values.size // 2, np.int64)
+    values, room = np.ascontiguousarray(values, float).view(), np.empty(values.size // 2, np.int64)
+    values.flags.writeable = False  # one type for the compiler, whatever came in
     least = max(SMALLEST * float(np.ptp(values)), np.finfo(float).tiny)
     found = room[: find_jumps(values, least, FLAT, room)].copy()
     if found.size == 0:
