@@ -72,7 +72,7 @@ def less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str
 def with_varying_sizes(found: Diagnosis) -> Diagnosis:
     """The diagnosis with the parameters of causes whose size is not the same throughout.
 
-    An interval holds for the law that was fitted, and theirs is not exactly that one.
+    An interval holds for the law that was fitted, and theirs may not be exactly that one.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def with_varying_sizes(found: Diagnosis) -> Diagnosis:
                 found,
                 [p.name for p in cause.parameters],
                 f"the size of {lowered(cause.title)} varies with "
-                f"{VARIABLE_WORDS[cause.variation.by]}, so its law is not exactly this one",
+                f"{VARIABLE_WORDS[cause.variation.by]}, so its law may not be exactly this one",
                 "see in the plots of what is left where it does, and fit a law of your own",
             )
     return found

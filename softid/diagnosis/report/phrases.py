@@ -246,6 +246,8 @@ def at_bounds(cause: Cause) -> str:
 def unsteady(cause: Cause, size_of_it: str | None = None) -> str:
     """That the size of a cause is not the same throughout; nothing where it is.
 
+    A spread that leaves a cause its name may come of noise that is not known well enough.
+
     Parameters
     ----------
     cause
@@ -257,7 +259,8 @@ def unsteady(cause: Cause, size_of_it: str | None = None) -> str:
         return ""
     spread = cause.variation.spread
     size = f"by about {percent(spread)}" if spread > TOLD_VARIATION else "a little"
+    differs = "is not" if cause.doubt is Doubt.VARIES else "may not be"
     return sentence(
         f"{size_of_it or f'the size of {lowered(cause.title)}'} varies {size} with "
-        f"{VARIABLE_WORDS[cause.variation.by]}, so its law is not exactly this one"
+        f"{VARIABLE_WORDS[cause.variation.by]}, so its law {differs} exactly this one"
     )

@@ -82,19 +82,22 @@ def test_values_that_only_count_together_are_told_as_such() -> None:
     assert "not known within its bounds" not in text
 
 
-@pytest.mark.parametrize("verdict", [Verdict.NAMED, Verdict.UNKNOWN])
-def test_a_size_that_varies_is_told(verdict: Verdict) -> None:
+@pytest.mark.parametrize(
+    ("verdict", "doubt", "differs"),
+    [(Verdict.NAMED, None, "may not be"), (Verdict.UNKNOWN, Doubt.VARIES, "is not")],
+)
+def test_a_size_that_varies_is_told(verdict: Verdict, doubt: Doubt | None, differs: str) -> None:
     """Behind the evidence of a cause, and behind a description, for which it is the reason."""
     found = diagnosis(verdict)
     (first, *_) = found.causes or found.descriptive
-    varied = replace(first, variation=Variation("p", 0.12, 0.01, 1e-9))
+    varied = replace(first, variation=Variation("p", 0.12, 0.01, 1e-9), doubt=doubt)
     shown = replace(found, causes=(varied,) if found.causes else (), descriptive=())
     if not found.causes:
         shown = replace(shown, descriptive=(varied,))
     text = told(shown)
     size = "Its size" if found.causes else f"The size of {lowered(first.title)}"
-    assert f"{size} varies by about 12 % with the input, so its law is not exactly this" in text
-    assert "so its law is not exactly this" not in told(found)
+    assert f"{size} varies by about 12 % with the input, so its law {differs} exactly" in text
+    assert "so its law" not in told(found)
 
 
 def test_a_description_is_small_or_not_sure() -> None:
