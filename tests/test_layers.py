@@ -47,7 +47,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("search_result",),
     ("cause_search",),
     ("plainer_model",),
-    ("timed_search", "slip_search", "smoothed_record"),
+    ("timed_search", "slip_search", "smoothed_ends", "smoothed_record"),
     ("strategy",),
     ("report",),
     ("answer",),

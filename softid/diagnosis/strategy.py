@@ -20,6 +20,7 @@ from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.slip_search import search_without_zero_jumps
+from softid.diagnosis.smoothed_ends import search_without_ends
 from softid.diagnosis.timed_search import search_with_jump_moments
 from softid.intersample import Intersample
 from softid.log import Log
@@ -78,6 +79,9 @@ def search_causes(
     if search.leaves_structure(first) and others.outdo(search.base, first.final):
         return search.judged(first, None).without_names, search
     found = search.search(first)
+    whole = search_without_ends(recordings, request, search, found)
+    if whole is not None:
+        return whole
     if is_in_doubt and found.remainder.structured and found.chain.links:
         timed = search_with_jump_moments(recordings, request, search, found.chain)
         if timed is not None:
