@@ -20,7 +20,6 @@ from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.verdict.doubts import OVER_RECORD
 from softid.effects import own_values
-from softid.effects.smoothing import BEYOND
 from softid.errors import Issue
 from softid.log import Log
 
@@ -29,6 +28,10 @@ BoolArray = npt.NDArray[np.bool_]
 
 SMOOTHED_ENDS = "smoothed-ends"
 """Code of the remark that the ends of a smoothed record are left out."""
+
+PERIODS = 2.0
+"""Periods of the filter, or widths of the mean, that an end reaches: of what is beyond, a filter of
+the second order passes on a thousandth by then."""
 
 LOUD = 4.0
 """Mean square of what is left at the ends over that of the rest from which on they are told apart:
@@ -124,5 +127,5 @@ def _is_end(log: Log, time_s: Array, reach_s: float) -> BoolArray:
 def _reach_of(model: Candidate) -> float:
     """Time in s within which a smoothed reading depends on others; 0 without such a filter."""
     filters = ((e, e.amplitude) for e in model.effects if e.key in OVER_RECORD and e.amplitude)
-    reach = (BEYOND * own_values(e, model.parameters)[size] for e, size in filters)
+    reach = (PERIODS * own_values(e, model.parameters)[size] for e, size in filters)
     return max(reach, default=0.0)
