@@ -31,11 +31,11 @@ SMOOTHED_ENDS = "smoothed-ends"
 
 PERIODS = 2.0
 """Periods of the filter, or widths of the mean, that an end reaches: of what is beyond, a filter of
-the second order passes on a thousandth by then."""
+the second order passes on less than a thousandth by then."""
 
 LOUD = 4.0
 """Mean square of what is left at the ends over that of the rest from which on they are told apart:
-slow noise is as large at some end as twice that elsewhere."""
+slow noise is now and then twice as large at an end as elsewhere."""
 
 LONGEST = 0.2
 """Share of a log up to which its ends are left out: with more, hardly a log is left to judge by."""
