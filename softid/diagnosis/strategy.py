@@ -79,9 +79,9 @@ def search_causes(
     if search.leaves_structure(first) and others.outdo(search.base, first.final):
         return search.judged(first, None).without_names, search
     found = search.search(first)
-    whole = search_without_ends(recordings, request, search, found)
-    if whole is not None:
-        return whole
+    inner = search_without_ends(recordings, request, search, found)
+    if inner is not None:
+        return inner
     if is_in_doubt and found.remainder.structured and found.chain.links:
         timed = search_with_jump_moments(recordings, request, search, found.chain)
         if timed is not None:
