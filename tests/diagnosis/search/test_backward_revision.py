@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+import bent_readings
 import numpy as np
 import pytest
+from bent_readings import base_with
 from handmade_rounds import candidate, link, ranked
 from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
 
@@ -21,13 +23,7 @@ from softid.diagnosis.search.backward_revision import (
     refit_without,
     revised,
 )
-from softid.diagnosis.search.forward_selection import (
-    FURTHER,
-    Chain,
-    Link,
-    converged,
-    next_link,
-)
+from softid.diagnosis.search.forward_selection import Chain, converged
 from softid.diagnosis.search.screening import Signature
 from softid.effects import effect_of
 from softid.effects.scale import Scale
@@ -66,25 +62,9 @@ CATALOGUE = (DRIFT, Bow(), Swing(), SteeperBow())
 PROMISES = (("delay", 60.0), ("creep", 30.0))
 
 
-def base_with(*, rate: float = 0.0, size: float = 0.0, power: int = 2) -> tuple[Candidate, Scale]:
-    time_s = linear_log().time_s
-    added = rate * time_s + size * (time_s / time_s[-1]) ** power
-    problem = linear_problem([linear_log(noise=0.01, added=added)])
-    z = problem.unknowns(TRUTH)
-    return converged(standing(problem, z), SIGMA), scale_of(problem, z)
-
-
 def chained(base: Candidate, scale: Scale, *keys: str) -> Chain:
-    """A chain of given causes in a given order, whatever would have been found."""
     known = {effect.key: effect for effect in CATALOGUE}
-    links: list[Link] = []
-    now = base
-    for key in keys:
-        link = next_link(now, [known[key]], scale, SIGMA, FURTHER)
-        assert link is not None
-        links.append(link)
-        now = converged(link.chosen.plain, SIGMA)
-    return Chain(tuple(links), None, now)
+    return bent_readings.chained(base, scale, [known[key] for key in keys])
 
 
 def test_true_causes_stay() -> None:

@@ -5,19 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
+import bent_readings
 import pytest
+from bent_readings import base_with
 from handmade_rounds import candidate, link
-from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+from linear_motion import SIGMA, Bow
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.search.forward_selection import (
-    FURTHER,
-    Chain,
-    Link,
-    converged,
-    next_link,
-)
+from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search.order_of_size import largest_first, prefix_models
 from softid.effects import effect_of
 from softid.effects.scale import Scale
@@ -25,26 +20,9 @@ from softid.effects.scale import Scale
 DRIFT = effect_of("sensor_drift")
 
 
-def base_with(*, rate: float, size: float) -> tuple[Candidate, Scale]:
-    """What leaves a drift and a parabola of the reading, in noise of 0.01."""
-    time_s = linear_log().time_s
-    added = rate * time_s + size * (time_s / time_s[-1]) ** 2
-    problem = linear_problem([linear_log(noise=0.01, added=added)])
-    z = problem.unknowns(TRUTH)
-    return converged(standing(problem, z), SIGMA), scale_of(problem, z)
-
-
 def chained(base: Candidate, scale: Scale, *keys: str) -> Chain:
-    """A chain of given causes in a given order, whatever would have been found."""
     known = {effect.key: effect for effect in (DRIFT, Bow())}
-    links: list[Link] = []
-    now = base
-    for key in keys:
-        added = next_link(now, [known[key]], scale, SIGMA, FURTHER)
-        assert added is not None
-        now = converged(added.chosen.plain, SIGMA)
-        links.append(replace(added, found=now))
-    return Chain(tuple(links), None, now)
+    return bent_readings.chained(base, scale, [known[key] for key in keys])
 
 
 @pytest.mark.parametrize(
