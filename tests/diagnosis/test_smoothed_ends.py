@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -10,7 +12,7 @@ from scipy.signal import butter, filtfilt
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.smoothed_ends import SMOOTHED_ENDS, without_ends
-from softid.diagnosis_results import Verdict
+from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 from softid.synthesis import hidden_pair
 
@@ -32,13 +34,19 @@ def smoothed(log: Log) -> Log:
     return Log.from_arrays(log.time_s[:stop], channels, outputs=(name,), units=units, name=log.name)
 
 
+@cache
+def answer_to(seed: int) -> Diagnosis:
+    """One diagnosis for the tests that look at it."""
+    train, judge = (smoothed(log) for log in hidden_pair((), seed=seed).logs)
+    return diagnose([train], hold_out=[judge], model="muscle", effects=["smoothing"])
+
+
 @pytest.mark.parametrize(
     "seed", [5, *(pytest.param(s, marks=pytest.mark.slow) for s in (6, 7, 8, 9, 10))]
 )
 def test_the_ends_of_a_smoothed_record_cost_nothing(seed: int) -> None:
     """Stands on the filter's own numbers: the cut-off is within a tenth, and known that well."""
-    train, judge = (smoothed(log) for log in hidden_pair((), seed=seed).logs)
-    found = diagnose([train], hold_out=[judge], model="muscle", effects=["smoothing"])
+    found = answer_to(seed)
     assert found.verdict is Verdict.NAMED
     (cause,) = found.causes
     period, order = cause.parameters
@@ -51,9 +59,7 @@ def test_the_ends_of_a_smoothed_record_cost_nothing(seed: int) -> None:
 
 def test_the_ends_are_told() -> None:
     """Those of both logs, with the time that a smoothed reading reaches."""
-    train, judge = (smoothed(log) for log in hidden_pair((), seed=5).logs)
-    found = diagnose([train], hold_out=[judge], model="muscle", effects=["smoothing"])
-    told = [issue.message for issue in found.issues if issue.code == SMOOTHED_ENDS]
+    told = [issue.message for issue in answer_to(5).issues if issue.code == SMOOTHED_ENDS]
     assert len(told) == 2
     assert all("within 0.8" in message for message in told)
 
