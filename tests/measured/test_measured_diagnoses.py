@@ -109,14 +109,18 @@ def test_the_offset_of_the_drive_grows_with_speed(drive: Diagnosis, drive_log: L
 
 
 def offset_at_usual_speed(drive: Diagnosis) -> tuple[float, float]:
-    """The force that does not turn with the speed, and its error; tanh(v/v0) is 1 there."""
+    """offset + N ε tanh(v/v0) |v| at the usual speed v, and its error for the v0 that was found.
+
+    The change with the direction may be a gradual one: then its tanh is well below 1 there.
+    """
     fit = drive.extended
     assert fit is not None
     assert fit.correlation is not None
     values = {p.name: p.value for p in fit.parameters}
     names = ["offset", "N", "asymmetric_damping_eps"]
-    share = values[names[2]] * USUAL_SPEED_MM_S
-    slopes = np.array([1.0, share, values["N"] * USUAL_SPEED_MM_S])
+    reached = USUAL_SPEED_MM_S * np.tanh(USUAL_SPEED_MM_S / values["asymmetric_damping_v0"])
+    share = values[names[2]] * reached
+    slopes = np.array([1.0, share, values["N"] * reached])
     errors = slopes * [fit.parameter(name).stderr or 0.0 for name in names]
     places = [fit.free.index(name) for name in names]
     variance = errors @ fit.correlation[np.ix_(places, places)] @ errors

@@ -50,7 +50,7 @@ def consistent_names(
             kept[late] = False
     for late, early in _pairs_alike(effects):
         may_mend = not (effects[early].has_one_form or effects[late].has_one_form)
-        is_slight = may_mend and taken[late] < SLIGHT * taken[early]
+        is_slight = may_mend and _is_slight(links, causes, taken, late, early)
         draws = _draws(effects[early], effects[late]) or _draws(effects[late], effects[early])
         both = kept[early] and kept[late]
         if draws and (both or not is_slight):  # a description beside it says as much
@@ -77,7 +77,7 @@ def named_together(
     slight = {
         late
         for late, early in _pairs_alike([link.added for link in links])
-        if kept[early] and taken[late] < SLIGHT * taken[early]
+        if kept[early] and _is_slight(links, causes, taken, late, early)
     }
     told = tuple(
         replace(cause, doubt=cause.doubt or Doubt.DWARFED)
@@ -147,6 +147,22 @@ def taken_by(links: Sequence[Link], squares_left: float) -> list[float]:
     """
     squares = [*(link.left_before for link in links), squares_left]
     return [max(before - after, 0.0) for before, after in pairwise(squares)]
+
+
+def _is_slight(
+    links: Sequence[Link], causes: Sequence[Cause], taken: Sequence[float], late: int, early: int
+) -> bool:
+    """Whether a later link takes so little beside an earlier one that it may mend its law.
+
+    It does not where the earlier one ends at a bound by itself, and clear of it beside the later
+    one: no law of another form has a number that a small one beside it brings back.
+    """
+    if taken[late] >= SLIGHT * taken[early]:
+        return False
+    alone = links[early].found
+    own = {p.name for p in causes[early].parameters}
+    held = own & alone.at_bound if alone is not None else frozenset()
+    return not held or _is_bounded(causes[early])
 
 
 def _is_held_by_bounds(cause: Cause, effect: Effect) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from handmade_diagnosis import cause, estimate, remainder
-from handmade_rounds import ranked
+from handmade_rounds import candidate, ranked
 
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.chain_consistency import (
@@ -105,6 +105,19 @@ def test_what_may_mend_the_law_of_another_is_told_so() -> None:
     kept, reasoned = named_together(late, causes("pneumatic_lag", "delay"), (True, True), 1.0)
     assert kept == (True, True)
     assert [cause.doubt for cause in reasoned] == [None, None]
+
+
+@pytest.mark.parametrize(("bound", "kept"), [("", (True, True)), ("contact", (True, False))])
+def test_what_brings_a_number_of_another_back_from_its_bound_mends_no_law(
+    bound: str, kept: tuple[bool, bool]
+) -> None:
+    """The clipping took 1 of 99, and the size of the contact ends at a bound without it."""
+    keys = ("contact", "sensor_clipping")
+    first, second = links(*keys, squares=(100.0, 2.0))
+    first = replace(first, found=candidate(keys[:1], at_bound=["size"]))
+    told = causes(*keys, at_bound=bound)
+    assert consistent_names([first, second], told, (True, True), 1.0) == kept
+    assert named_together([first, second], told, (True, True), 1.0)[0] == kept
 
 
 def test_a_cause_beside_a_larger_description_is_none() -> None:
