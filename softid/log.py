@@ -375,7 +375,7 @@ class LogSet:
                 raise UsageError(
                     f"{log.name} has {log.input} → {', '.join(log.outputs)}, but {first.name} has "
                     f"{first.input} → {', '.join(first.outputs)}",
-                    remedy="name the roles with --input and --output",
+                    remedy=f"name the roles with --input and --output, or in {log.name}.toml",
                 )
 
     def __iter__(self) -> Iterator[Log]:
