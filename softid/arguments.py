@@ -32,6 +32,24 @@ def require_log(given: object) -> Log:
     raise refused("a log", given, f"{'read it with softid.load' if path else MAKE_A_LOG} first")
 
 
+def require_explainable(given: object) -> Log:
+    """What was given, if it is a log with something to explain.
+
+    Raises
+    ------
+    UsageError
+        It is no log, or one that was read for its input alone.
+    """
+    log = require_log(given)
+    if log.outputs:
+        return log
+    raise UsageError(
+        "the log has no output, so there is nothing to explain",
+        where=log.place,
+        remedy="read it without outputs=None, or name its outputs",
+    )
+
+
 def refused(wanted: str, given: object, remedy: str) -> UsageError:
     """The error about an argument of another kind; names are quoted, of the rest the type is told.
 

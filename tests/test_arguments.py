@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from handmade import fit_result
 
 import softid
 
@@ -33,6 +35,24 @@ def test_arrays_are_no_log_either() -> None:
         softid.fit([np.arange(3.0)])  # type: ignore[list-item]
     with pytest.raises(softid.UsageError, match=r"float.*Log\.from_arrays"):
         softid.fit(np.arange(3.0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        softid.inspect,
+        softid.fit,
+        softid.diagnose,
+        lambda log: softid.fit(_log(), hold_out=log),
+        lambda log: softid.validate(fit_result(), log),
+    ],
+    ids=["inspect", "fit", "diagnose", "hold-out", "validate"],
+)
+def test_a_log_that_was_read_for_its_input_alone_explains_nothing(
+    function: Callable[[softid.Log], object],
+) -> None:
+    with pytest.raises(softid.UsageError, match=r"^log: the log has no output.*outputs=None"):
+        function(replace(_log(), outputs=()))
 
 
 def test_the_key_of_a_model_is_no_model() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.arguments import require_log
+from softid.arguments import require_explainable
 from softid.errors import InputError, Issue, UsageError
 from softid.identification.interpolated_output import (
     INTERPOLATED,
@@ -36,11 +36,11 @@ def as_logs(logs: Log | Sequence[Log]) -> tuple[Log, ...]:
     Raises
     ------
     UsageError
-        Something else than a log was given, such as the name of a file.
+        Something else than a log was given, such as the name of a file, or a log without output.
     """
     if isinstance(logs, Log | str) or not isinstance(logs, Iterable):
-        return (require_log(logs),)
-    return tuple(require_log(log) for log in logs)
+        return (require_explainable(logs),)
+    return tuple(require_explainable(log) for log in logs)
 
 
 def require_excitation(logs: LogSet) -> None:

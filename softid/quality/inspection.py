@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.arguments import require_log
+from softid.arguments import require_explainable
 from softid.channels import Channel
 from softid.errors import Issue
 from softid.excitation import (
@@ -66,7 +66,7 @@ def inspect(log: Log) -> Inspection:
     Raises
     ------
     UsageError
-        What was given is not a log.
+        What was given is not a log, or has no output.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def inspect(log: Log) -> Inspection:
     >>> found.excitation[0].kind, found.ability("static curve").possible
     ('staircase', 'yes')
     """
-    driving = require_log(log).channels[log.input].values
+    driving = require_explainable(log).channels[log.input].values
     stretches, windows = excitation_and_holds(log.time_s, driving)
     windows = _at_levels(windows, stretches, LEVEL_SPACING * float(np.ptp(driving)))
     rest, sampling = _at_rest(windows, len(log)), describe_sampling(log)
