@@ -46,6 +46,17 @@ _LEAST_NEWS = 0.1
 ProgressCallback = Callable[[str, float], None]
 
 
+class NoCommandError(click.UsageError):
+    """`softid` alone; its message is the help.
+
+    Releases of click differ here: 8.1 prints the help and succeeds, later ones raise an error that
+    8.1 does not have.
+    """
+
+    def __init__(self, ctx: click.Context) -> None:
+        super().__init__(ctx.get_help(), ctx)
+
+
 _interruptions: list[int] = []
 
 
@@ -224,7 +235,7 @@ def report_failure(error: BaseException, *, debug: bool) -> int:
 def _told(error: BaseException) -> tuple[str, int]:
     if isinstance(error, SoftidError):
         return f"error: {_one_line(str(error))}", error.exit_code
-    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+    if isinstance(error, NoCommandError):
         return f"no command was given\n{error.format_message()}", error.exit_code
     if isinstance(error, click.UsageError):
         path = error.ctx.command_path if error.ctx else "softid"

@@ -12,6 +12,7 @@ import click
 
 from softid_cli.console import (
     INTERRUPTED,
+    NoCommandError,
     collect_output,
     leave_at_once,
     note_interruption,
@@ -51,6 +52,12 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 class LazyGroup(click.Group):
     """A group that imports a command's module only to run it or to print its own help."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Refuse to run without any argument."""
+        if not args:
+            raise NoCommandError(ctx)
+        return super().parse_args(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names in the order of a user's work, not of the alphabet."""

@@ -85,6 +85,19 @@ def test_wrong_words(softid: Cli, arguments: list[str], said: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("arguments", "said"), [(["fit", "--bogus"], "--bogus"), ([], "no command was given\nUsage: ")]
+)
+def test_an_older_click(
+    softid: Cli, monkeypatch: pytest.MonkeyPatch, arguments: list[str], said: str
+) -> None:
+    """click 8.1 has no error for a missing command: it prints the help and succeeds."""
+    monkeypatch.delattr(click.exceptions, "NoArgsIsHelpError", raising=False)
+    told = softid(*arguments)
+    assert (told.code, told.out) == (2, "")
+    assert said in told.err
+
+
+@pytest.mark.parametrize(
     ("error", "code", "said"),
     [
         (UsageError("odd", remedy="do so"), 2, "error: odd; do so."),
