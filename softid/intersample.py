@@ -33,6 +33,12 @@ INTERSAMPLE_CHOICES: tuple[Intersample, ...] = ("straight", "smooth", "held", "z
 
 HELD: tuple[Intersample, ...] = ("held", "zoh")
 
+InputNoise = Literal["averaged"]
+"""What is done about the noise of an input; None does nothing."""
+
+AVERAGED: InputNoise = "averaged"
+"""What the record of a fit says of an input whose noise was taken away."""
+
 FLAT = 0.1
 """Before and after a jump the input moves by less than this share of it."""
 
@@ -174,6 +180,11 @@ def course_at(time_s: Array, read_s: Array, read: Array) -> Array:
             inside = (time_s >= read_s[first]) & (time_s <= read_s[stop - 1])
             course[inside] = smooth(time_s[inside])
     return course
+
+
+def recorded_intersample(told: object) -> Intersample | None:
+    """The behaviour that a record tells, None where it tells none that is known."""
+    return next((known for known in INTERSAMPLE_CHOICES if known == told), None)
 
 
 def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from softid.channels import Channel, default_outputs, make_channel, read_only
 from softid.errors import InputError, Issue, UsageError
-from softid.intersample import INTERSAMPLE_CHOICES, Intersample
+from softid.intersample import Intersample
 from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
@@ -267,18 +267,17 @@ class Log:
             self, input=input or self.input, outputs=tuple(outputs) if outputs else self.outputs
         )
 
-    def with_intersample(self, intersample: object) -> Log:
+    def with_intersample(self, intersample: Intersample | None) -> Log:
         """The same recording with an intersample behaviour, if nothing declared one before.
 
         Parameters
         ----------
         intersample
-            One of `INTERSAMPLE_CHOICES`, as a record of a fit may say; else nothing changes.
+            That of a fit; with None nothing changes.
         """
-        known = next((name for name in INTERSAMPLE_CHOICES if name == intersample), None)
-        if self.intersample is not None or known is None:
+        if self.intersample is not None or intersample is None:
             return self
-        return replace(self, intersample=known)
+        return replace(self, intersample=intersample)
 
     def with_masked(self, masked: npt.ArrayLike) -> Log:
         """The same recording with more samples left out of the residuals."""

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
+from softid.intersample import InputNoise, Intersample
 
 Array = npt.NDArray[np.float64]
 ParameterVerdict = Literal["identified", "weakly identified", "not identified", "fixed", "tied"]
@@ -64,10 +65,9 @@ class ParameterEstimate:
         What and how much.
     stderr
         Standard error in ``unit``, or None where it cannot be given.
-    ci95
-        95 % confidence interval, or None.
-    ci_method
-        How errors were computed: ``"ar-sandwich"``, ``"profile"``, ``"block-bootstrap"``.
+    ci95, ci_method
+        95 % confidence interval, or None, and how errors were computed: ``"ar-sandwich"``,
+        ``"profile"``, ``"block-bootstrap"``.
     lower, upper
         Bounds of the search; None when infinite.
     fixed, tie
@@ -76,10 +76,8 @@ class ParameterEstimate:
         Whether the optimum lies on a bound.
     verdict
         What the logs say about this parameter.
-    reason
-        Why; empty when identified.
-    remedy
-        The log that would show it; empty when identified.
+    reason, remedy
+        Why, and the log that would show it; empty when identified.
     scale
         ``"linear"`` or ``"log"``: the scale on which the interval is symmetric.
     meaning
@@ -308,9 +306,10 @@ class FitResult:
         Why this model, when softid chose it.
     fingerprints
         Log name → sha256 of its file ("" for arrays).
-    options
-        How the fit was made: ``seed`` of its random draws; ``intersample``, what the input does
-        between its samples, None for straight; ``input_noise``, ``"averaged"`` or missing.
+    seed
+        Of its random draws.
+    intersample, input_noise
+        What the input was taken to do between its samples (None: straight), and about its noise.
     """
 
     model: ModelSpec
@@ -335,7 +334,9 @@ class FitResult:
     issues: tuple[Issue, ...] = ()
     choice: str | None = None
     fingerprints: Mapping[str, str] = field(default_factory=dict)
-    options: Mapping[str, str | float | None] = field(default_factory=dict)
+    seed: int | None = None
+    intersample: Intersample | None = None
+    input_noise: InputNoise | None = None
     derived_stderr: Mapping[str, float | None] = field(default_factory=dict)
 
     @property
@@ -383,8 +384,7 @@ class Validation:
     fingerprints
         Log name → sha256 of its file ("" for arrays), of the scored logs.
     fitted_range
-        Channel → (smallest, largest) value that the fitted logs reached, canonical unit; empty
-        where the model does not state it.
+        As in `FitResult`; empty where the model does not state it.
     """
 
     model: ModelSpec

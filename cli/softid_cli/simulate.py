@@ -99,5 +99,4 @@ def load_driving(source: Path, channel: tuple[str, ...], saved: SavedModel) -> L
         if name not in log.channels
     }
     driving = replace(log, channels={**log.channels, **missing}, outputs=saved.outputs)
-    treatment = InputTreatment(saved.intersample, saved.input_noise)
-    return input_as_fitted(driving, treatment).with_intersample(saved.intersample)
+    return input_as_fitted(driving, InputTreatment.of(saved)).with_intersample(saved.intersample)

@@ -67,7 +67,7 @@ from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
 from softid.errors import InputError
 from softid.identification.gauge_errors import gauge_errors
-from softid.identification.input_denoising import AVERAGED, without_input_noise
+from softid.identification.input_denoising import without_input_noise
 from softid.identification.intersample_choice import choice_unless_held
 from softid.identification.lost_input import without_lost_input
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
@@ -75,6 +75,7 @@ from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
 from softid.identification.stalls import across_stalls
 from softid.identification.unit_slips import unit_slips
+from softid.intersample import AVERAGED
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import both, in_step, is_copy, matrices_on_one_thread
@@ -215,7 +216,7 @@ def _in_words(answer: Diagnosis, recorded: LogSet, count: int) -> Diagnosis:
 
 def _with_input_treatment(fit: FitResult) -> FitResult:
     """The fit whose record says how its input was taken, for those who take the model elsewhere."""
-    return replace(fit, options={**fit.options, "input_noise": AVERAGED})
+    return replace(fit, input_noise=AVERAGED)
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:

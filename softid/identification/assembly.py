@@ -126,7 +126,8 @@ def assemble(
         issues=most_serious_first(issues),
         choice=choice.reason if choice else None,
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in (*logs, *held)},
-        options={"seed": float(seed), "intersample": logs.logs[0].intersample},
+        seed=seed,
+        intersample=logs.logs[0].intersample,
         derived_stderr=_derived_errors(
             model, values, ranges[logs.input], estimates, names, covariance
         ),

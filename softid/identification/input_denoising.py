@@ -22,9 +22,6 @@ from softid.log import Log
 
 Array = npt.NDArray[np.float64]
 
-AVERAGED = "averaged"
-"""What the record of a fit says of an input whose noise was taken away."""
-
 FURTHEST_NEIGHBOUR = 10
 """Samples to either side through which a parabola goes at most where the input moves."""
 

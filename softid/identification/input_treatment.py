@@ -10,7 +10,7 @@ import numpy as np
 from softid.errors import Issue
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
-from softid.identification.input_denoising import AVERAGED, without_input_noise
+from softid.identification.input_denoising import without_input_noise
 from softid.identification.intersample_choice import (
     BEHAVIOUR_WORDS,
     BETTER_BY,
@@ -21,9 +21,11 @@ from softid.identification.intersample_choice import (
 from softid.identification.preparation import without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
-from softid.intersample import HELD, Intersample
+from softid.intersample import AVERAGED, HELD, InputNoise, Intersample
 from softid.log import Log
 from softid.models.base import Model
+from softid.records import SavedModel
+from softid.results import FitResult
 
 HELD_OTHERWISE = "held-otherwise"
 """Code of the remark that the input of a log is taken in another way than in the fitted ones."""
@@ -41,13 +43,13 @@ class InputTreatment:
         `AVERAGED` where the noise of the input was averaged, else None.
     """
 
-    intersample: object = None
-    noise: object = None
+    intersample: Intersample | None = None
+    noise: InputNoise | None = None
 
     @classmethod
-    def of(cls, options: Mapping[str, object]) -> InputTreatment:
-        """From the options of a `FitResult`."""
-        return cls(options.get("intersample"), options.get("input_noise"))
+    def of(cls, record: FitResult | SavedModel) -> InputTreatment:
+        """That of a fit, or of one that was read back."""
+        return cls(record.intersample, record.input_noise)
 
 
 def prepared(log: Log, treatment: InputTreatment) -> Log:
@@ -78,7 +80,7 @@ def input_as_fitted(log: Log, treatment: InputTreatment) -> Log:
 
 
 def taken_as_fitted(
-    logs: Sequence[Log], intersample: object, model: Model, values: Mapping[str, float]
+    logs: Sequence[Log], intersample: Intersample | None, model: Model, values: Mapping[str, float]
 ) -> tuple[Log, ...]:
     """New logs with the intersample behaviour of the fitted ones, or that which explains them.
 
@@ -99,7 +101,7 @@ def taken_as_fitted(
     return tuple(found)
 
 
-def other_ways(log: Log, intersample: object) -> tuple[Intersample, ...]:
+def other_ways(log: Log, intersample: Intersample | None) -> tuple[Intersample, ...]:
     """What else the input of a log may do between its samples than that of fitted ones.
 
     A recorder that runs in step with the controller sees a command change as it does, another one

@@ -38,7 +38,7 @@ def refitted(result: FitResult, logs: Log | Sequence[Log]) -> tuple[Problem, Opt
 
     for log in as_log_set(logs):
         _require_fitted(result, log)
-    treatment = InputTreatment.of(result.options)
+    treatment = InputTreatment.of(result)
     taken = [prepared(log, treatment) for log in as_log_set(logs)]
     taken = [log.with_intersample(treatment.intersample) for log in taken]
     model = model_of(result.model)

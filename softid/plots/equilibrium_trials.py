@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.intersample import INTERSAMPLE_CHOICES, Intersample
+from softid.intersample import Intersample
 from softid.models.base import Model
 from softid.plots.trials import Trial
 from softid.results import FitResult, LogNuisance, Simulation
@@ -81,10 +81,7 @@ def subject_of(
     )
     nuisance = next((n for n in result.nuisances if n.log == simulation.log), None)
     zero = nuisance.zero.get(output, 0.0) if nuisance else 0.0
-    told = result.options.get("intersample")
-    intersample: Intersample = next(
-        (known for known in INTERSAMPLE_CHOICES if known == told), "straight"
-    )
+    intersample = result.intersample or "straight"
     return Subject(model, result.values, segment, output, _start(nuisance), zero, intersample)
 
 

@@ -14,7 +14,6 @@ from softid.records.params import (
     fit_document,
     model_entry,
     parameter_entry,
-    seed_entry,
     versions,
 )
 from softid.records.plain import Plain, dump_json, to_jsonable
@@ -154,6 +153,6 @@ def diagnosis_document(diagnosis: Diagnosis, *, base: str | None) -> dict[str, P
         "channels": channel_entries(fitted.input, fitted.simulations, fitted.statistics),
         "data": data_entries(fitted.fingerprints, fitted.statistics, fitted.simulations),
         "versions": versions(),
-        "seed": seed_entry(fitted),
+        "seed": fitted.seed,
         "issues": to_jsonable(diagnosis.issues),
     }

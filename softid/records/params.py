@@ -99,18 +99,18 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
             "correlation": to_jsonable(result.correlation),
         },
         "versions": versions(),
-        "seed": seed_entry(result),
-        "options": to_jsonable({k: v for k, v in result.options.items() if k != "seed"}),
+        "seed": result.seed,
+        "options": options_entry(result),
         "issues": to_jsonable(result.issues),
         "content_sha256": fingerprint(result.model, result.values),
     }
     return document | {"record_sha256": record_sha256(document)}
 
 
-def seed_entry(result: FitResult) -> Plain:
-    """The seed; it is a whole number, but options hold floats."""
-    seed = result.options.get("seed")
-    return int(seed) if isinstance(seed, float) and seed.is_integer() else seed
+def options_entry(result: FitResult) -> dict[str, Plain]:
+    """How the fit took its input; the averaging of its noise is told only where it was done."""
+    options: dict[str, Plain] = {"intersample": result.intersample}
+    return options if result.input_noise is None else {**options, "input_noise": result.input_noise}
 
 
 def model_entry(spec: ModelSpec) -> Plain:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from softid.errors import InputError, Issue, SoftidError, UsageError
+from softid.intersample import AVERAGED, InputNoise, Intersample, recorded_intersample
 from softid.records.agreement import require_units
 from softid.records.params import PARAMS_SCHEMA, fingerprint
 from softid.records.plain import record_sha256
@@ -73,8 +74,8 @@ class SavedModel:
     fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...] = ()
-    intersample: str | None = None
-    input_noise: str | None = None
+    intersample: Intersample | None = None
+    input_noise: InputNoise | None = None
     data_fingerprints: Mapping[str, str | None] = field(default_factory=dict)
 
     def build_model(self) -> Model:
@@ -156,8 +157,8 @@ def load_params(path: Path | str) -> SavedModel:
         data_fingerprints={entry["log"]: entry.get("data_sha256") for entry in data},
         fitted_logs=tuple(entry["log"] for entry in data if entry["in_sample"]),
         issues=_edits(document, spec, values, where=where),
-        intersample=document["options"].get("intersample"),
-        input_noise=document["options"].get("input_noise"),
+        intersample=recorded_intersample(document["options"].get("intersample")),
+        input_noise=AVERAGED if document["options"].get("input_noise") == AVERAGED else None,
     )
 
 

@@ -152,7 +152,7 @@ def _from_fit(result: FitResult) -> _Scored:
         {s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations},
         fitted,
         (),
-        InputTreatment.of(result.options),
+        InputTreatment.of(result),
     )
 
 
@@ -167,7 +167,7 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.data_fingerprints,
         saved.fitted_logs,
         saved.issues,
-        InputTreatment(saved.intersample, saved.input_noise),
+        InputTreatment.of(saved),
     )
 
 

@@ -53,7 +53,7 @@ def test_the_true_intersample_behaviour_is_taken(is_held: bool, tmp_path: Path) 
     found = fit(
         stepped(0, is_held=is_held), model="oscillator", hold_out=stepped(1, is_held=is_held)
     )
-    assert (found.options["intersample"] == "held") is is_held
+    assert (found.intersample == "held") is is_held
     assert any(issue.code == "held-input" for issue in found.issues) is is_held
     interval = found.parameter("N").ci95
     assert interval is not None
@@ -74,7 +74,7 @@ def test_an_input_that_swings_is_smooth(polyline: bool, tmp_path: Path) -> None:
     """
     logs = [swinging_log(seed, polyline=polyline) for seed in (1, 2, 3)]
     found = fit(logs[0], model="oscillator", hold_out=logs[1])
-    assert found.options["intersample"] == ("straight" if polyline else "smooth")
+    assert found.intersample == ("straight" if polyline else "smooth")
     assert any(issue.code == "smooth-input" for issue in found.issues) is not polyline
     for name, truth in TRUTH.items():
         estimate = found.parameter(name)
@@ -94,7 +94,7 @@ def test_steps_behind_a_valve_are_smooth(seed: int) -> None:
     log, truth = pair.logs[0], pair.actuator.values["N"]
     found = fit(log, model="oscillator")
     straight = fit(log.with_intersample("straight"), model="oscillator")
-    assert found.options["intersample"] == "smooth"
+    assert found.intersample == "smooth"
     assert not any(issue.code == "smooth-input" for issue in found.issues)
     off = [abs(one.values["N"] / truth - 1.0) for one in (found, straight)]
     assert off[0] < 0.7 * off[1]
@@ -105,7 +105,7 @@ def test_a_log_that_says_it_is_believed() -> None:
     """Declared as straight, a held input is not looked at again."""
     log = replace(stepped(0, is_held=True), intersample="straight")
     assert held_choices(LogSet((log,))) == ()
-    assert fit(log, model="oscillator").options["intersample"] == "straight"
+    assert fit(log, model="oscillator").intersample == "straight"
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_a_command_may_be_held_at_every_sample(name: str, intersample: str) -> N
     y = 0.01 * x + np.random.default_rng(0).normal(0.0, NOISE, x.size)
     log = Log.from_arrays(time_s, {name: u, "angle": y}, input=name)
     found = fit(log, model=Oscillator(order="first"))
-    assert found.options["intersample"] == intersample
+    assert found.intersample == intersample
     interval = found.parameter("N").ci95
     assert interval is not None
     assert (interval[0] <= 100.0 * TAU_S <= interval[1]) is (intersample == "zoh")
@@ -151,7 +151,7 @@ def test_a_sine_tells_what_fitted_steps_do_not(is_held: bool, tmp_path: Path) ->
     """Held at their jumps or at every sample is one for them, and half an interval for the sine."""
     sine = swung(1, is_held=is_held)
     found = fit(stepped(0, is_held=True), model="oscillator", hold_out=sine)
-    assert found.options["intersample"] == "held"
+    assert found.intersample == "held"
     save_fit(found, tmp_path / "params.json")
     for judged in (found, validate(load_params(tmp_path / "params.json"), sine)):
         (row,) = (row for row in judged.statistics if row.log == sine.name)
@@ -167,7 +167,7 @@ def test_a_long_log_is_told_by_a_beginning_that_moves(is_held: bool, rest: int) 
     log = stepped(3, is_held=is_held, levels=2400, rest=rest)
     found = fit(log, model=Oscillator(order="first"))
     assert len(log) > LONG
-    assert (found.options["intersample"] == "held") is is_held
+    assert (found.intersample == "held") is is_held
     assert found.parameter("N").value == pytest.approx(100.0 * TAU_S, rel=0.01)
 
 

@@ -88,7 +88,7 @@ def test_a_held_input_stays_held() -> None:
     angle = linear_angle(fine_s, np.repeat(pressure, fine) - pressure[0])[::fine]
     log = log_of(pressure, angle)
     result = fit(log, model="oscillator")
-    assert result.options["intersample"] in HELD
+    assert result.intersample in HELD
     value = result.parameter("N").value
     low, high = bootstrap_parameters(result, log, draws=100).ci95["N"]
     assert low < value < high

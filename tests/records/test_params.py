@@ -50,6 +50,13 @@ def test_the_file_is_valid_by_its_schema(saved: Path) -> None:
     assert document["versions"]["numpy"] == np.__version__
 
 
+def test_a_long_seed_keeps_every_digit(tmp_path: Path) -> None:
+    """2^53 + 1 is the first whole number that is no float."""
+    path = tmp_path / "params.json"
+    save_fit(fit(linear_log(), model="oscillator", seed=2**53 + 1), path)
+    assert json.loads(path.read_text())["seed"] == 9007199254740993
+
+
 def test_schemas_are_schemas() -> None:
     """A typing error in a schema would make it accept anything; draft 2020-12 checks itself."""
     for name in ("softid.params/1", "softid.validation/1"):

@@ -156,7 +156,7 @@ def fit_result(
         issues=issues,
         choice="the steps show the inertia",
         fingerprints={"step_1": "a" * 64, "step_2": ""},
-        options={"seed": seed},
+        seed=seed,
     )
 
 

@@ -324,4 +324,4 @@ def test_a_bend_between_samples_is_no_effect(delay_s: float) -> None:
     assert found.extended is not None
     tau = found.extended.parameter("delay_tau")
     assert tau.value == pytest.approx(delay_s, rel=0.05)
-    assert found.extended.options["intersample"] == "smooth"
+    assert found.extended.intersample == "smooth"
