@@ -5,10 +5,15 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from softid.errors import UsageError
+
 Array = npt.NDArray[np.float64]
 
 REVERSAL_SHARE = 0.05
 """A turn of the pressure counts when it comes back by this share of the range."""
+
+SMALLEST_CHANGE = float(np.nextafter(0.0, 1.0))
+"""No two different numbers are closer: a turn of this size is any change."""
 
 
 def branches(
@@ -21,7 +26,8 @@ def branches(
     pressure_kpa
         Samples in the order recorded, shape (n,); NaN is skipped.
     reversal_kpa
-        How far the pressure must come back to count as a turn; 5 % of its range by default.
+        How far the pressure must come back to count as a turn; 5 % of its range by default. With 0
+        every change counts, as in data without noise.
 
     Returns
     -------
@@ -29,11 +35,23 @@ def branches(
         1 where the pressure is on its way up, −1 on its way down, 0 where it never moved or is
         missing, shape (n,). A plateau belongs to the branch that led to it.
 
+    Raises
+    ------
+    UsageError
+        ``reversal_kpa`` is negative or no number.
+
     Examples
     --------
     >>> branches([0.0, 1.0, 0.99, 2.0, 1.0, 0.0]).tolist()
     [1, 1, 1, 1, -1, -1]
     """
+    if reversal_kpa is not None and not reversal_kpa >= 0.0:
+        raise UsageError(
+            "the pressure cannot come back by less than nothing",
+            where="reversal_kpa",
+            value=reversal_kpa,
+            remedy="give 0 or more, or leave it out",
+        )
     p = np.asarray(pressure_kpa, dtype=np.float64)
     direction = np.zeros(p.size, np.int8)
     there = np.flatnonzero(np.isfinite(p))
@@ -43,7 +61,7 @@ def branches(
     reversal = REVERSAL_SHARE * span if reversal_kpa is None else reversal_kpa
     if span == 0.0 or span < reversal:
         return direction
-    direction[there] = _directions(p[there], reversal)
+    direction[there] = _directions(p[there], max(reversal, SMALLEST_CHANGE))
     return direction
 
 

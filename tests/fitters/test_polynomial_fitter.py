@@ -151,6 +151,16 @@ def test_branches_ignore_noise_and_keep_plateaus():
     assert branches([1.0, np.nan, 2.0]).tolist() == [1, 0, 1]
 
 
+def test_without_noise_every_change_is_a_turn():
+    """By construction: with a reversal of 0 the smallest step back is a branch of its own."""
+    pressure = [0.0, 1.0, 1.0 - 1e-9, 2.0, 3.0, 2.0]
+    assert branches(pressure, reversal_kpa=0.0).tolist() == [1, 1, -1, 1, 1, -1]
+    assert branches([3.0, 3.0], reversal_kpa=0.0).tolist() == [0, 0]
+    for nothing in (-1.0, float("nan")):
+        with pytest.raises(UsageError, match=r"reversal_kpa.*give 0 or more"):
+            branches(pressure, reversal_kpa=nothing)
+
+
 def test_order_four_is_chosen_for_the_papers_curves():
     """The truth is a quartic; over 400 sweeps the rule found it in 386 and never went below.
 
