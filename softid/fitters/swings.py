@@ -41,8 +41,12 @@ def count_swings(time_s: Array, angle: Array, pressure: Array, *, least: float) 
 
     Parameters
     ----------
-    time_s, angle, pressure
-        Record of one step, each of shape (n,); missing angles are NaN.
+    time_s
+        Times of the record of one step (s), shape (n,).
+    angle
+        Its angle (rad), shape (n,); NaN where it is missing.
+    pressure
+        Its pressure (kPa), shape (n,).
     least
         Smallest deviation that counts, as a share of the step.
 
@@ -56,10 +60,10 @@ def count_swings(time_s: Array, angle: Array, pressure: Array, *, least: float) 
     """
     there = np.isfinite(angle)
     time, y = time_s[there], angle[there]
-    moved = np.flatnonzero(np.abs(pressure[there] - pressure[there][0]) > 0.5 * np.ptp(pressure))
-    begin = int(moved[0]) if moved.size else 0
     if y.size < FEWEST_SAMPLES:
         return Swings(0, None)
+    moved = np.flatnonzero(np.abs(pressure[there] - pressure[there][0]) > 0.5 * np.ptp(pressure))
+    begin = int(moved[0]) if moved.size else 0
     final = float(np.median(y[-max(1, int(FINAL_SHARE * (y.size - begin))) :]))
     step = abs(final - float(np.median(y[: max(begin, 1)])))
     if step == 0.0:

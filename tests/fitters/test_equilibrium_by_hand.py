@@ -7,7 +7,7 @@ import pytest
 
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.equilibrium import by_hand
-from softid.fitters.swings import count_swings
+from softid.fitters.swings import Swings, count_swings
 from softid.identification import fit
 from softid.log import Log
 from softid.models.equilibrium import NAMES, Equilibrium
@@ -41,6 +41,14 @@ def test_swings_of_a_damped_cosine(decay: float, count: int) -> None:
     assert found.count >= count - 1
     if found.count >= 3:
         assert found.period_s == pytest.approx(1.0, rel=0.01)
+
+
+@pytest.mark.parametrize("known", [0, 2])
+def test_a_record_that_is_hardly_there_has_no_swings(known: int) -> None:
+    """Three samples are the fewest that have an extreme between them."""
+    time_s = np.arange(9.0)
+    angle = np.where(time_s < known, time_s, np.nan)
+    assert count_swings(time_s, angle, time_s, least=0.05) == Swings(0, None)
 
 
 def test_noise_hardly_counts() -> None:
