@@ -25,6 +25,7 @@ from softid.segment import Segment
 __all__ = ["ByHand", "by_hand"]
 
 Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 DAMPING_RATIOS: Array = np.geomspace(0.01, 3.0, 121)
 """Values of C_d that are tried, in units of the critical damping at the last level and 5 % apart.
@@ -97,7 +98,7 @@ def by_hand(log: Log, *, model: Equilibrium | None = None, output: str = "angle"
     UsageError
         The log has no such channel.
     IdentificationError
-        The record does not swing, or no C_d or C_m gives its swings.
+        The record does not swing, has no angle before the step, or no C_d or C_m gives its swings.
 
     Source: DEE 2022, Figures 5 and 6.
     """
@@ -114,6 +115,7 @@ def by_hand(log: Log, *, model: Equilibrium | None = None, output: str = "angle"
             where=log.name,
             remedy="use a larger step, or fit by output error",
         )
+    rest = _rest(segment, output)
     theta = chosen.parameters().with_fixed({"a": 0.0, "b": 0.0, "c": 1.0}).values_vector()
     critical = _critical_damping(chosen, theta, segment)
 
@@ -136,7 +138,22 @@ def by_hand(log: Log, *, model: Equilibrium | None = None, output: str = "angle"
     damped = _moved(theta, "C_d", float(np.sqrt(low * high)))
     tuned = _moved(damped, "c", _best_mass(run, damped, measured.period_s, log.name))
     rivals = (measured, run(damped), run(tuned))
-    return _told(chosen, segment, output, (low, high), rivals, tuned)
+    return _told(chosen, segment, output, (low, high), rivals, tuned, rest)
+
+
+def _rest(segment: Segment, output: str) -> BoolArray:
+    """Used samples before the pressure moves, which tell the zero of the angle, shape (n,)."""
+    u = segment.input
+    moves = np.abs(u - u[0]) > REST_FRACTION * float(np.ptp(u))
+    still = np.arange(u.size) < max(1, int(np.argmax(moves)))
+    rest: BoolArray = segment.used[output] & still
+    if rest.any():
+        return rest
+    raise IdentificationError(
+        "the angle is missing until the pressure moves, so its zero is not known",
+        where=segment.log_name,
+        remedy="record the rest before the step too, or fit by output error",
+    )
 
 
 def _told(
@@ -146,14 +163,12 @@ def _told(
     span: tuple[float, float],
     swings: tuple[Swings, Swings, Swings],
     tuned: Array,
+    rest: BoolArray,
 ) -> ByHand:
     measured, damped, compensated = swings
     simulated = _simulated(model, tuned, segment, output)
     used = segment.used[output]
-    u = segment.input
-    moves = np.abs(u - u[0]) > REST_FRACTION * float(np.ptp(u))
-    still = np.arange(u.size) < max(1, int(np.argmax(moves)))
-    simulated = simulated + float(np.mean((segment.outputs[output] - simulated)[used & still]))
+    simulated = simulated + float(np.mean((segment.outputs[output] - simulated)[rest]))
     left = (segment.outputs[output] - simulated)[used]
     issues = []
     if compensated.count != measured.count:

@@ -115,6 +115,15 @@ def test_a_record_that_does_not_swing_is_refused() -> None:
         by_hand(simulated(2e-2, 1.0))
 
 
+def test_an_angle_that_begins_with_the_step_has_no_zero() -> None:
+    """The zero is the mean of the rest before the step, and here the camera started later."""
+    log = simulated(6e-4, 1.0)
+    angle = np.where(log.time_s < 0.5, np.nan, log.channels["angle"].values)
+    late = Log.from_arrays(log.time_s, {"pressure": log.pressure_kpa, "angle": angle})
+    with pytest.raises(IdentificationError, match="missing until the pressure moves"):
+        by_hand(late)
+
+
 def test_a_geometry_that_cannot_swing_like_that_is_told() -> None:
     """A record far slower than any C_m up to 20 allows ends in a sentence, not in a number."""
     log = simulated(4.5e-4, 1.0)
