@@ -80,12 +80,7 @@ def choose_roles(
             value=taken,
             remedy="name what drives it with --input, or leave --output away",
         )
-    raise InputError(
-        f"no input channel is recognised among {first_names(list(found.channels))}",
-        where=where,
-        remedy="map the pressure with --channel pressure=COLUMN:UNIT, or name what drives with "
-        "--input",
-    )
+    raise _nothing_drives(found, where)
 
 
 def fallback_issues(
@@ -117,8 +112,21 @@ def fallback_issues(
 
 
 def _driving(found: Found, input: str | None, where: str, input_of: str | None) -> str:
-    there = [name for name in INPUT_PREFERENCE if input is None and _there(found, name)]
-    return _resolve(found, input or (*there, *INPUT_PREFERENCE)[0], "--input", where, input_of)
+    if input is not None:
+        return _resolve(found, input, "--input", where, input_of)
+    for name in INPUT_PREFERENCE:
+        if _there(found, name):
+            return name
+    raise _nothing_drives(found, where)
+
+
+def _nothing_drives(found: Found, where: str) -> InputError:
+    return InputError(
+        f"no input channel is recognised among {first_names(list(found.channels))}",
+        where=where,
+        remedy="map the pressure with --channel pressure=COLUMN:UNIT, or name what drives with "
+        "--input",
+    )
 
 
 def _with_outputs(

@@ -68,6 +68,17 @@ def test_roles_of_a_file_are_the_logs_fault(write_log: WriteFile) -> None:
         load(path)
 
 
+@pytest.mark.parametrize("outputs", [None, ()])
+def test_a_log_in_which_nothing_drives_lists_what_it_has(
+    write_log: WriteFile, outputs: tuple[str, ...] | None
+) -> None:
+    """No user and no sidecar asks for a pressure here, so none is said to."""
+    path = write_log(table("time_s,angle_deg"))
+    with pytest.raises(InputError, match="no input channel is recognised among angle;") as caught:
+        load(path, outputs=outputs)
+    assert "None" not in str(caught.value)
+
+
 def test_an_input_is_no_output(write_log: WriteFile) -> None:
     """With nothing else that drives, the pressure cannot be explained, and that is said."""
     path = write_log(table("time_s,pressure_kpa,angle_deg"))
