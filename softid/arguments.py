@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import math
+import operator
+from collections.abc import Iterable
+from numbers import Real
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from softid.errors import UsageError
 from softid.log import Log
+from softid.parameters import ParameterSet
+
+if TYPE_CHECKING:
+    import lmfit
 
 MAKE_A_LOG = "make one of your arrays with softid.Log.from_arrays"
 """What to do with numbers that are in memory."""
+
+MOST_PERCENT = 100.0
+"""A fit in per cent of this is perfect."""
 
 
 def require_log(given: object) -> Log:
@@ -50,6 +62,88 @@ def require_explainable(given: object) -> Log:
     )
 
 
+def require_parameters(given: object) -> ParameterSet | lmfit.Parameters:
+    """What was given, if it is a set of parameters.
+
+    Raises
+    ------
+    UsageError
+        It is something else, such as a dict of values.
+    """
+    if isinstance(given, ParameterSet):
+        return given
+    import lmfit  # a second, which only its own parameters need, and they have it in memory
+
+    if isinstance(given, lmfit.Parameters):
+        return given
+    remedy = "give lmfit Parameters, or the model's own parameters() with your changes"
+    raise refused("a set of parameters", given, remedy)
+
+
+def require_seed(given: object) -> int:
+    """What was given, if generators of random numbers take it.
+
+    Raises
+    ------
+    UsageError
+        It is no whole number, or a negative one.
+
+    Examples
+    --------
+    >>> require_seed(-1)
+    Traceback (most recent call last):
+    ...
+    softid.errors.UsageError: seed: this is not a whole number from 0 on (got -1); give one.
+    """
+    try:
+        seed = operator.index(given)  # type: ignore[arg-type]  # what it is for
+    except TypeError:
+        seed = -1
+    if seed >= 0:
+        return seed
+    raise UsageError(
+        "this is not a whole number from 0 on", where="seed", value=given, remedy="give one"
+    )
+
+
+def require_percent(given: object, *, where: str) -> float:
+    """What was given, if it is a finite number of 100 at most.
+
+    Raises
+    ------
+    UsageError
+        It is something else, such as text or nan.
+    """
+    if isinstance(given, Real) and -math.inf < float(given) <= MOST_PERCENT:
+        return float(given)
+    raise UsageError(
+        "this is not a number of per cent, 100 at most",
+        where=where,
+        value=given,
+        remedy="give one, such as 70",
+    )
+
+
+def require_names(given: object, *, where: str) -> tuple[str, ...]:
+    """What was given, if it is several names, or none.
+
+    Raises
+    ------
+    UsageError
+        It is one name alone, which would be taken letter by letter, or something else.
+    """
+    if isinstance(given, Iterable) and not isinstance(given, (str, bytes)):
+        names = tuple(given)
+        if all(isinstance(name, str) for name in names):
+            return names
+    raise UsageError(
+        "this is not a list of names",
+        where=where,
+        value=given,
+        remedy=f"write {where}=[{given!r}]" if isinstance(given, str) else "give one",
+    )
+
+
 def refused(wanted: str, given: object, remedy: str) -> UsageError:
     """The error about an argument of another kind; names are quoted, of the rest the type is told.
 
@@ -62,5 +156,8 @@ def refused(wanted: str, given: object, remedy: str) -> UsageError:
     remedy
         What to do, in the imperative.
     """
-    met = str(given) if isinstance(given, (str, Path)) else type(given).__name__
+    if isinstance(given, type):
+        met = f"the class {given.__name__}"
+    else:
+        met = str(given) if isinstance(given, (str, Path)) else type(given).__name__
     return UsageError(f"this is not {wanted}", value=met, remedy=remedy)

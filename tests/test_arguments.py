@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from handmade import fit_result
+from handmade import fit_result, step_log
 
 import softid
 
@@ -58,6 +58,60 @@ def test_a_log_that_was_read_for_its_input_alone_explains_nothing(
 def test_the_key_of_a_model_is_no_model() -> None:
     with pytest.raises(softid.UsageError, match=r"'muscle'.*MODELS"):
         softid.simulate("muscle", {}, _log())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"model": softid.Muscle}, r"not a model \(got 'the class Muscle'\); give an instance"),
+        ({"preferred": ["muscle"]}, r"not a model \(got 'muscle'\); give an instance"),
+        ({"model": 3}, r"not a model \(got 'int'\).*or a name: muscle,"),
+        (
+            {"model": "muscle", "parameters": {"M": 1.0}},
+            r"'dict'.*lmfit Parameters.*parameters\(\)",
+        ),
+        ({"seed": -1}, r"seed: .*got -1"),
+        ({"seed": 0.5}, r"seed: .*got 0\.5"),
+    ],
+    ids=["class", "preferred name", "number", "dict", "negative seed", "no seed"],
+)
+@pytest.mark.parametrize("function", [softid.fit, softid.diagnose], ids=["fit", "diagnose"])
+def test_wrong_options_are_told(
+    function: Callable[..., object], options: dict[str, object], said: str
+) -> None:
+    with pytest.raises(softid.UsageError, match=said):
+        function(step_log(samples=400), **options)
+
+
+def test_a_seed_of_redrawn_residuals_is_not_negative() -> None:
+    with pytest.raises(softid.UsageError, match=r"seed: .*got -1"):
+        softid.bootstrap_parameters(fit_result(), _log(), seed=-1)
+
+
+@pytest.mark.parametrize("bar", ["70", float("nan"), 101.0])
+def test_a_bar_that_nothing_can_be_held_against(bar: float) -> None:
+    with pytest.raises(softid.UsageError, match=r"threshold_percent: .*such as 70"):
+        softid.validate(fit_result(), _log(), threshold_percent=bar)
+
+
+@pytest.mark.parametrize(
+    ("effects", "said"),
+    [
+        ("creep", r"effects: .*'creep'.*write effects=\['creep'\]"),
+        (3, "effects: .*got 3"),
+        ([3], r"effects: .*got \[3\]"),
+        (["crep"], "no such effect .*'crep'.*creep"),
+    ],
+)
+def test_effects_are_several_names(effects: Sequence[str], said: str) -> None:
+    """One name alone would be taken letter by letter."""
+    with pytest.raises(softid.UsageError, match=said):
+        softid.diagnose(_log(), effects=effects)
+
+
+def test_the_name_of_a_recipe_is_no_recipe() -> None:
+    with pytest.raises(softid.UsageError, match=r"'x\.toml'.*load_recipe"):
+        softid.synthesize("x.toml")  # type: ignore[arg-type]
 
 
 def test_what_was_never_fitted_cannot_be_validated() -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from softid.arguments import require_names, require_seed
 from softid.diagnosis.base.base_fit import (
     BaseFit,
     Progress,
@@ -145,13 +146,11 @@ def diagnose(
     >>> found.verdict.value, [cause.effect for cause in found.causes]
     ('named', ['sensor_drift'])
     """
-    report = _rising(progress)
+    report, seed = _rising(progress), require_seed(seed)
+    considered = effects_of(require_names(effects, where="effects"))
     recorded = as_log_set(logs)
     is_in_doubt = is_open(recorded)
-    recordings = Recordings(recorded, as_logs(hold_out)).each(_cleaned)
-    if is_measured(recorded):
-        usual = choice_unless_held(recorded)
-        recordings = recordings.each(lambda log: log.with_intersample(usual))
+    recordings = _recordings(recorded, as_logs(hold_out))
     require_enough(recordings.logs, recordings.hold_out)
     require_moving(recordings.logs, recordings.hold_out)
     require_driven(recorded)
@@ -168,7 +167,7 @@ def diagnose(
     if is_in_doubt:
         recordings, base = with_judged_intersample(recordings, request, base)
     request, base = reduced_if_better(recordings, request, base)
-    search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
+    search, chosen = CauseSearch(base, considered, seed, report), base
     others = OtherExplanations()
     answer, base, final = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
@@ -205,6 +204,15 @@ def diagnose(
         issues=(*answer.issues, *issues),
     )
     return _in_words(answer, recorded, count)
+
+
+def _recordings(recorded: LogSet, held: tuple[Log, ...]) -> Recordings:
+    """The cleaned logs, with what their input does between samples where it is measured."""
+    recordings = Recordings(recorded, held).each(_cleaned)
+    if not is_measured(recorded):
+        return recordings
+    usual = choice_unless_held(recorded)
+    return recordings.each(lambda log: log.with_intersample(usual))
 
 
 def _in_words(answer: Diagnosis, recorded: LogSet, count: int) -> Diagnosis:

@@ -13,7 +13,7 @@ from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.fitters.rest import REST_MIN_SAMPLES, REST_WINDOW_S
-from softid.identification.preparation import adapted_model, require_channels
+from softid.identification.preparation import adapted_model, require_channels, require_model
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
@@ -162,7 +162,7 @@ def _candidates(
     usable: list[Model] = []
     refused: list[str] = []
     variants = [v for name in MODELS for v in MODELS[name]().variants(logs.input)]
-    for variant in (*preferred, *variants):
+    for variant in (*map(require_model, preferred), *variants):
         try:
             require_channels(variant, logs)
         except UsageError:

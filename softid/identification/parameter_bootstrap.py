@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from softid.arguments import require_seed
 from softid.channels import read_only
 from softid.errors import UsageError
 from softid.fitters.objective import Objective
@@ -66,7 +67,7 @@ def bootstrap_parameters(
     Raises
     ------
     UsageError
-        Fewer than 20 draws, or nothing was free.
+        Fewer than 20 draws, a seed that is none, or nothing was free.
     InputError
         A log lacks a channel of the model.
     IdentificationError
@@ -75,6 +76,7 @@ def bootstrap_parameters(
     Source: Politis and Romano, in *Exploring the Limits of Bootstrap*, 1992 (blocks in a circle);
     Davison and Hinkley, *Bootstrap Methods and their Application*, 1997, §6.2 and §8.2.3.
     """
+    seed = require_seed(seed)
     if draws < FEWEST_DRAWS:
         raise UsageError(
             "an interval needs more bootstrap draws", value=draws, remedy="take 200 or more"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from softid.arguments import require_parameters
 from softid.errors import UsageError
 from softid.parameters import Parameter, ParameterSet
 from softid.tie_expressions import names_in_tie
@@ -44,12 +45,14 @@ class ParameterConstraints:
         Raises
         ------
         UsageError
-            A parameter is unknown, or is one that the model holds with these options.
+            These are no parameters, or one of them is unknown, or one that the model holds with
+            these options.
         """
         if asked is None:
             return cls(base, base)
+        known = require_parameters(asked)
         constraints = cls(
-            base, asked if isinstance(asked, ParameterSet) else _from_lmfit(base, asked)
+            base, known if isinstance(known, ParameterSet) else _from_lmfit(base, known)
         )
         for name, wish in constraints.asked.items():
             if name not in base:

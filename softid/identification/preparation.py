@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.arguments import require_explainable
+from softid.arguments import refused, require_explainable
 from softid.errors import InputError, Issue, UsageError
 from softid.identification.interpolated_output import (
     INTERPOLATED,
@@ -214,16 +214,30 @@ def units_of(logs: LogSet) -> dict[str, str]:
     return {"input": logs.input_unit} | {n: first.channels[n].unit for n in logs.outputs}
 
 
+def require_model(given: object) -> Model:
+    """What was given, if it is a model.
+
+    Raises
+    ------
+    UsageError
+        It is something else, such as the class of one.
+    """
+    if isinstance(given, Model):
+        return given
+    remedy = f"give an instance, such as softid.Muscle(), or a name: {', '.join(MODELS)}"
+    raise refused("a model", given, remedy)
+
+
 def named_model(model: Model | str) -> Model:
     """A model given as such, or by its name with its standard options.
 
     Raises
     ------
     UsageError
-        There is no model of that name.
+        There is no model of that name, or it is neither.
     """
     if not isinstance(model, str):
-        return model
+        return require_model(model)
     if model not in MODELS:
         raise UsageError(
             "there is no such model", value=model, remedy=f"choose from {', '.join(MODELS)}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from softid.arguments import require_seed
 from softid.errors import IdentificationError, Issue, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
@@ -105,8 +106,8 @@ def fit(
     InputError
         The logs cannot identify anything: constant input, dead output.
     UsageError
-        The model is unknown or does not link the channels, the logs' roles or units differ, or
-        parameters are given without a model.
+        The model is unknown or does not link the channels, the logs' roles or units differ,
+        parameters are given without a model, or an argument is not what it has to be.
     IdentificationError
         The samples are too few, or the output does not follow the input.
 
@@ -121,6 +122,7 @@ def fit(
     >>> fit(log, model="oscillator").success
     True
     """
+    seed = require_seed(seed)
     identified = identify(
         logs,
         model=model,

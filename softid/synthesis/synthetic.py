@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
+from softid.arguments import refused
 from softid.channels import read_only
 from softid.errors import InputError
 from softid.log import Log
@@ -104,7 +105,11 @@ def synthesize(recipe: Recipe, *, seed: int | None = None) -> SyntheticLog:
     ------
     InputError
         The law has no finite response, or too few rows are left.
+    UsageError
+        This is no recipe, such as the name of a file.
     """
+    if not isinstance(recipe, Recipe):
+        raise refused("a recipe", recipe, "read one from its file with softid.load_recipe")
     used = recipe.seed if seed is None else seed
     if used < 0:
         raise InputError("a seed cannot be negative", value=used, remedy="give 0 or more")

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from softid.arguments import refused
+from softid.arguments import refused, require_percent
 from softid.effects import model_of
 from softid.errors import Issue, UsageError
 from softid.fingerprint import data_fingerprint
@@ -80,12 +80,15 @@ def validate(
     Raises
     ------
     UsageError
-        A log's roles differ from the model's, or an argument is none of these.
+        A log's roles differ from the model's, an argument is none of these, or the bar is none
+        that a fit can reach.
     InputError
         The file cannot be read.
     IdentificationError
         The response is not finite on a log.
     """
+    if threshold_percent is not None:
+        require_percent(threshold_percent, where="threshold_percent")
     scored = _scored(fitted)
     given = LogSet(tuple(prepared(log, scored.treatment) for log in as_log_set(logs)))
     for log in given:
