@@ -317,10 +317,10 @@ def _challenge(
             size = np.minimum(reach / 2.0, np.maximum(np.abs(point[:n_free]), 1.0))
             point[:n_free] += RESTART_SPREAD * size * rng.standard_normal(n_free)
             points.append(point)
-        rivals = scouts(objective, points, SCOUT_EVALUATIONS)
-        margin = min(LEAST_COST_DROP, BETTER_SAMPLES / max(best.normal.n, 1))
         if best.normal.cost <= 0.5 * best.normal.n * RESIDUAL_FLOOR**2:
             return best, True  # what is left is rounding, and a rival's is as likely to be less
+        rivals = scouts(objective, points, SCOUT_EVALUATIONS)
+        margin = min(LEAST_COST_DROP, BETTER_SAMPLES / max(best.normal.n, 1))
         if not rivals or rivals[0][0].normal.cost > best.normal.cost * (1 - margin):
             return best, True
         rival = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)

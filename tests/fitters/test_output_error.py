@@ -80,6 +80,18 @@ def fitted(
     return found, values, problem
 
 
+def test_no_restart_is_run_where_only_rounding_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a response without noise 1e-9 of the range at most is left, and its optimum is the end."""
+
+    def run(*_: object) -> None:
+        raise AssertionError("a restart")
+
+    monkeypatch.setattr(fitter, "scouts", run)
+    found, values, _ = fitted(shaken())
+    assert found.status is FitStatus.CONVERGED
+    assert values == pytest.approx(TRUTH, rel=1e-6)
+
+
 def test_truth_is_recovered_without_noise() -> None:
     """The simulator's own response: every parameter to 1e-5, limited by the stop at 1e-3 of σ."""
     found, values, _ = fitted(shaken())
