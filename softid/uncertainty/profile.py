@@ -238,7 +238,7 @@ class _Search:
 
     def limit(self, sd: float, sign: float, bound: float) -> float | None:
         """Limit on one side, or None when there is none."""
-        end, position = self._end(bound, sign), self._start
+        end = self._end(bound, sign)
         bracket = self._bracketed((self._start, -self._quantile), sd * self._quantile, sign, end)
         for _ in range(MAX_JUMPS):
             if bracket is None:
@@ -246,9 +246,9 @@ class _Search:
             position, last = self._refine(*bracket)
             step = self._step_on(last, sign, end) if last else None
             if last is None or step is None:
-                break
+                return self.own(position)
             bracket = self._bracketed(last, step, sign, end)
-        return self.own(position)
+        return None if bracket is None else self.own(self._refine(*bracket)[0])
 
     def _bracketed(
         self, inside: Point, step: float, sign: float, end: float

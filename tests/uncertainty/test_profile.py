@@ -167,6 +167,24 @@ def test_a_jump_that_stays_is_a_limit() -> None:
     assert len(tried) < 35
 
 
+@pytest.mark.parametrize(("gaps", "edge"), [(6, None), (7, 7), (8, 7)])
+def test_a_side_is_followed_beyond_six_jumps(gaps: int, edge: int | None) -> None:
+    """A rise of 1 sets no limit, but refits fail in gaps of 5 %, into each of which a step leads.
+
+    The first step is 1.96, and later ones end an eighth, then a quarter beyond the last gap: that
+    quarter is 2 % within the next one. Behind six of them the side is open; the edge of the seventh
+    is a limit, for no more are passed over.
+    """
+    edges = 1.9 * 1.225 ** np.arange(gaps)
+
+    def refit(value: float) -> float:
+        return np.inf if np.any((edges <= value) & (value <= 1.05 * edges)) else 1.0
+
+    found = profile(refit, 0.0, sd=1.0, cost_per_variance=1.0, optimum_cost=0.0, lower=0.0)
+    wanted = None if edge is None else pytest.approx(edges[edge - 1], rel=1e-3)
+    assert found.ci95[1] == wanted
+
+
 def test_a_better_optimum_is_reported() -> None:
     """The least cost is at 2.96, not at the value profiled from."""
     found = profile(
