@@ -20,6 +20,9 @@ CI_METHOD = "block-bootstrap"
 MIN_BLOCKS = 4
 """A block is at most this fraction of its segment, so that draws can differ."""
 
+FEWEST_RESIDUALS = 3
+"""As many as a noise model needs, from which the length of a block is known."""
+
 MAX_FAILED = 0.1
 """Share of bootstrap refits that may fail before the interval is refused."""
 
@@ -163,14 +166,25 @@ def resample(
     """
     if block is not None and block < 1:
         raise UsageError("a block holds at least one sample", value=block, remedy="give 1 or more")
-    ar = fit_ar(residuals)
     pools = [r[np.isfinite(r)] for r in residuals]
     n = sum(pool.size for pool in pools)
+    if n < FEWEST_RESIDUALS:
+        raise IdentificationError(
+            "there are too few residuals to draw from",
+            value=n,
+            remedy="use a longer log or mask fewer samples",
+        )
+    lengths = [block] * len(pools) if block else _own_lengths(residuals, pools)
     mean = float(np.concatenate(pools).mean())
     stretch = float(np.sqrt(n / max(n - fitted_parameters, 1)))
     pools = [(pool - mean) * stretch for pool in pools]
-    lengths = [block or block_length(ar, max(pool.size, 2)) for pool in pools]
     return _draws(residuals, pools, lengths, rng)
+
+
+def _own_lengths(residuals: Sequence[Array], pools: Sequence[Array]) -> list[int]:
+    """The block length of every segment from an autoregression of all."""
+    ar = fit_ar(residuals)
+    return [block_length(ar, max(pool.size, 2)) for pool in pools]
 
 
 def _draws(

@@ -13,6 +13,7 @@ from softid.uncertainty import (
     AutoRegression,
     block_length,
     bootstrap_intervals,
+    fit_ar,
     resample,
 )
 from softid.uncertainty.bootstrap import circular_blocks
@@ -70,6 +71,16 @@ def test_the_same_seed_gives_the_same_draws() -> None:
         np.testing.assert_array_equal(a, b)
 
 
+def test_a_given_block_needs_no_noise_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes longer than a draw, and refits of a bootstrap give the same block every time."""
+    residuals = [ar1(np.random.default_rng(4), 100, 0.5)]
+    length = block_length(fit_ar(residuals), 100)
+    (own,) = next(resample(residuals, rng=np.random.default_rng(6)))
+    monkeypatch.delattr("softid.uncertainty.bootstrap.fit_ar")
+    (given,) = next(resample(residuals, rng=np.random.default_rng(6), block=length))
+    np.testing.assert_array_equal(own, given)
+
+
 def test_bootstrap_errors_agree_with_theory() -> None:
     """Slope of a line under AR(1) 0.7: the exact standard error to 20 % (400 draws, one record)."""
     rng = np.random.default_rng(7)
@@ -95,6 +106,8 @@ def test_failed_refits_are_left_out_or_refused() -> None:
 
 
 def test_mistakes_are_named() -> None:
-    """Blocks of nothing."""
+    """Blocks of nothing, and blocks out of nothing."""
+    with pytest.raises(IdentificationError, match="too few residuals"):
+        resample([np.full(9, np.nan)], rng=np.random.default_rng(12), block=2)
     with pytest.raises(UsageError):
         resample([np.ones(9)], rng=np.random.default_rng(12), block=0)
