@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -35,10 +34,11 @@ def warmup(quiet: bool) -> None:
     """Compile all kernels now and print the folder that keeps them.
 
     Without it they are compiled on first use. Kernels that are compiled already are only loaded.
-    Useful as a step in building a container image. With two processors or more, a second process
-    compiles part of them.
+    Useful as a step in building a container image. With two processors or more to use, a second
+    process compiles part of them.
     """
     from softid.kernels import cache_folder
+    from softid.parallel import usable_cores
 
     folder = cache_folder()
     if folder is None:
@@ -47,7 +47,7 @@ def warmup(quiet: bool) -> None:
             remedy="let NUMBA_CACHE_DIR name a folder in which you may write",
         )
     helper = None
-    if (os.cpu_count() or 1) > 1:
+    if usable_cores() > 1:
         helper = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
         beside = helper.submit(_compile_beside)
     try:

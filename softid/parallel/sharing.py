@@ -127,7 +127,7 @@ def on_two_threads(
     (1, 'one')
     """
     is_shared = _here.has_part or _here.team is not None
-    if is_shared or multiprocessing.parent_process() is not None or _cores() < 2:
+    if is_shared or multiprocessing.parent_process() is not None or usable_cores() < 2:
         return first(), second()
     context = contextvars.copy_context()  # in which numpy keeps what it warns of
     waiting = _other_thread().submit(context.run, second)
@@ -222,10 +222,10 @@ def _take_part() -> None:
 
 
 def _usual_workers() -> int:
-    return min(MAX_WORKERS, _cores())
+    return min(MAX_WORKERS, usable_cores())
 
 
-def _cores() -> int:
+def usable_cores() -> int:
     """Cores that this process may use, which a container or a cluster limits."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

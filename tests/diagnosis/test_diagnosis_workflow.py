@@ -261,7 +261,7 @@ def test_copies_of_the_process_find_what_it_finds_alone(monkeypatch: pytest.Monk
     monkeypatch.setattr(Team, "share", sharing_by)
     monkeypatch.setattr(Team, "_go_astray", lambda team: (teams.add(None), lost(team)))
     for cores in (1, 3):
-        monkeypatch.setattr(sharing, "_cores", lambda cores=cores: cores)
+        monkeypatch.setattr(sharing, "usable_cores", lambda cores=cores: cores)
         found.append(diagnose(log, model="oscillator", effects=(*TWO, "creep", "sensor_lag")))
     alone, together = found
     assert alone.evidence

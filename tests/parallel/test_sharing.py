@@ -41,7 +41,7 @@ def share(monkeypatch: pytest.MonkeyPatch) -> Share:
     """Sets how many cores there are, and whether the process may be forked."""
 
     def set_up(cores: int, *, forked: bool) -> None:
-        monkeypatch.setattr(sharing, "_cores", lambda: cores)
+        monkeypatch.setattr(sharing, "usable_cores", lambda: cores)
         monkeypatch.setattr(sharing, "_can_fork", lambda: forked)
 
     return set_up
@@ -188,7 +188,7 @@ INTERRUPTED = """
 import os, signal, sys, time
 from softid.parallel import sharing
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
-sharing._cores = lambda: 3
+sharing.usable_cores = lambda: 3
 def work(item):
     os.write({begun}, b"b")
     time.sleep(30)

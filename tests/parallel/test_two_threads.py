@@ -17,7 +17,7 @@ def where() -> int:
 @pytest.fixture(autouse=True)
 def _two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     """As on a machine with a second core, whatever this one has."""
-    monkeypatch.setattr(sharing, "_cores", lambda: 2)
+    monkeypatch.setattr(sharing, "usable_cores", lambda: 2)
     monkeypatch.setattr(sharing.multiprocessing, "parent_process", lambda: None)
 
 
@@ -32,7 +32,7 @@ def test_another_thread_takes_the_second_call() -> None:
 def test_nothing_is_shared_out_twice(limit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no core is free, or others work beside it, one thread makes both calls in order."""
     if limit == "one core":
-        monkeypatch.setattr(sharing, "_cores", lambda: 1)
+        monkeypatch.setattr(sharing, "usable_cores", lambda: 1)
     if limit == "a worker process":
         monkeypatch.setattr(sharing.multiprocessing, "parent_process", lambda: "a parent")
     if limit == "a part of shared work":

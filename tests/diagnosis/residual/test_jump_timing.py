@@ -302,7 +302,8 @@ def test_jumps_that_share_a_simulation_are_told_apart(
         return simulate(*args, **options)
 
     monkeypatch.setattr(Oscillator, "response", counted)
-    monkeypatch.setattr(sharing, "_cores", lambda: 1)  # what copies of the process count is lost
+    # What copies of the process count is lost.
+    monkeypatch.setattr(sharing, "usable_cores", lambda: 1)
     shared = part_of_jumps(model, 0, noise=0.0)
     assert (len(count) < 2 * jumps) is fewer
     monkeypatch.setattr(jump_timing, "TOGETHER", jumps)
