@@ -278,8 +278,9 @@ def _require_units(base: BaseFit, hold_out: Sequence[Log]) -> None:
     spread = np.std(np.concatenate([s.outputs[first][s.used[first]] for s in problem.segments]))
     left = mean_square(residual_context(base.candidate)) ** 0.5
     usual = left / max(float(spread), np.finfo(float).tiny)
-    for slip in unit_slips(problem.model, base.candidate.parameters, hold_out, usual=usual):
-        raise InputError(slip.message, remedy=slip.remedy)
+    slips = unit_slips(problem.model, base.candidate.parameters, hold_out, usual=usual)
+    if slips:
+        raise InputError(slips[0].message, remedy=slips[0].remedy)
 
 
 def _rising(progress: Progress | None) -> Progress:

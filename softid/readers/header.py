@@ -115,7 +115,8 @@ def _refuse_misfit(
                 value=text[:80],
                 remedy="give every column one name, or quote a name that contains the separator",
             )
-        for broken, shown, _ in above[position + 1 : position + 2]:
+        if position + 1 < len(above):
+            broken, shown, _ = above[position + 1]
             raise InputError(
                 "the line between the header and the numbers is no row of the table",
                 where=f"{where}, row {broken + 1}",

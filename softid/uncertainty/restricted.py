@@ -143,7 +143,8 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         return _finish(moments, start, x, None)
     known, stencil = None, Stencil.of(x.size)
     for _ in range(MAX_ITERATIONS):
-        known = gradient, curvature, (value, _) = differences(moments, x, stencil)
+        known = differences(moments, x, stencil)
+        gradient, curvature, (value, _) = known
         trial = np.clip(x + damped_steps(gradient, curvature), -limit, limit)
         found = evaluate(moments, np.tanh(trial)).value
         best = int(np.argmin(found))
