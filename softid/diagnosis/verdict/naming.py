@@ -369,7 +369,7 @@ def verdict_of(
     remainder
         What it leaves.
     causes
-        Its causes with their variations.
+        Its causes with their variations, one for every link; without them none is known to vary.
     """
     if not links:
         return Verdict.UNKNOWN if remainder.leaves_something else Verdict.ADEQUATE
@@ -377,9 +377,7 @@ def verdict_of(
         return Verdict.UNKNOWN
     if any(len(link.rivals) > 1 for link, named in zip(links, is_named, strict=True) if named):
         return Verdict.AMBIGUOUS
-    varies = any(
-        cause.variation is not None and stays
-        for cause, stays in zip(causes, is_named, strict=False)
-    )
+    told = list(zip(causes, is_named, strict=True)) if causes else []
+    varies = any(cause.variation is not None and stays for cause, stays in told)
     is_in_part = remainder.leaves_something or (varies and may_hold_more(remainder))
     return Verdict.PARTIAL if is_in_part else Verdict.NAMED

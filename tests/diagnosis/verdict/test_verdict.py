@@ -39,6 +39,14 @@ def test_a_law_that_is_not_quite_its_own_is_a_part_where_more_may_be_left(
     assert verdict_of([bare_link(1.0)], [True], left, [told]) is verdict
 
 
+def test_every_link_has_its_cause() -> None:
+    """A cause that is missing shifts the others: the variation of one would be held to another."""
+    links, left = [bare_link(1.0), bare_link(1.0)], remainder(structured=False, explained=0.8)
+    assert verdict_of(links, [True, True], left) is Verdict.NAMED
+    with pytest.raises(ValueError, match="zip"):
+        verdict_of(links, [True, True], left, [FRICTION])
+
+
 @pytest.mark.parametrize(
     ("links", "named", "structured", "verdict"),
     [
