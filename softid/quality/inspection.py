@@ -97,19 +97,19 @@ def inspect(log: Log) -> Inspection:
     signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
     lag = command_lag(log)
     evidence = Evidence(
-        log.time_s,
-        log.input,
-        log.channels[log.input].display_unit,
-        log.channels[log.input].display_factor,
-        float(np.ptp(driving)),
-        judged,
-        stretches,
-        windows,
-        holds[judged],
-        next((r for r in found if r.output == judged), None),
-        bool(stuck),
-        sampling,
-        _why_no_lag(log, lag),
+        time_s=log.time_s,
+        input_name=log.input,
+        input_unit=log.channels[log.input].display_unit,
+        shown=log.channels[log.input].display_factor,
+        span=float(np.ptp(driving)),
+        output_name=judged,
+        stretches=stretches,
+        windows=windows,
+        holds=holds[judged],
+        response=next((r for r in found if r.output == judged), None),
+        input_stuck=bool(stuck),
+        sampling=sampling,
+        no_lag=_why_no_lag(log, lag),
     )
     return Inspection(
         log=log.name,

@@ -146,31 +146,33 @@ def _scored(fitted: object) -> _Scored:
 def _from_fit(result: FitResult) -> _Scored:
     fitted = tuple(dict.fromkeys(row.log for row in result.statistics if row.in_sample))
     return _Scored(
-        model_of(result.model),
-        result.values,
-        result.input,
-        result.outputs,
-        result.fitted_range,
-        dict(result.fingerprints),
-        {s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations},
-        fitted,
-        (),
-        InputTreatment.of(result),
+        model=model_of(result.model),
+        values=result.values,
+        input=result.input,
+        outputs=result.outputs,
+        ranges=result.fitted_range,
+        fingerprints=dict(result.fingerprints),
+        data_fingerprints={
+            s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations
+        },
+        fitted_logs=fitted,
+        issues=(),
+        treatment=InputTreatment.of(result),
     )
 
 
 def _from_file(saved: SavedModel) -> _Scored:
     return _Scored(
-        saved.build_model(),
-        saved.values,
-        saved.input,
-        saved.outputs,
-        saved.fitted_range,
-        saved.fingerprints,
-        saved.data_fingerprints,
-        saved.fitted_logs,
-        saved.issues,
-        InputTreatment.of(saved),
+        model=saved.build_model(),
+        values=saved.values,
+        input=saved.input,
+        outputs=saved.outputs,
+        ranges=saved.fitted_range,
+        fingerprints=saved.fingerprints,
+        data_fingerprints=saved.data_fingerprints,
+        fitted_logs=saved.fitted_logs,
+        issues=saved.issues,
+        treatment=InputTreatment.of(saved),
     )
 
 

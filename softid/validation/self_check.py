@@ -223,14 +223,14 @@ def _compare(group: str, result: FitResult, known: KnownLog, prefix: str) -> lis
             distance = _distance(truth, estimate.value, low, high, log=estimate.scale == "log")
         rows.append(
             SelfCheckRow(
-                group,
-                estimate.name,
-                estimate.unit,
-                truth,
-                estimate.value,
-                estimate.ci95,
-                inside,
-                distance,
+                group=group,
+                parameter=estimate.name,
+                unit=estimate.unit,
+                truth=truth,
+                estimate=estimate.value,
+                ci95=estimate.ci95,
+                inside=inside,
+                distance=distance,
             )
         )
     return rows
