@@ -113,10 +113,6 @@ class ArcGeometry:
         """Bending angle θ = x/d of contractions of any shape."""
         return np.asarray(contraction_mm, dtype=np.float64) / self.diameter_mm
 
-    def contraction_from_angle_mm(self, angle_rad: npt.ArrayLike) -> Array:
-        """Contraction x = θ·d of angles of any shape."""
-        return np.asarray(angle_rad, dtype=np.float64) * self.diameter_mm
-
     def length_mm(self, contraction_mm: npt.ArrayLike) -> Array:
         """Length of the deformable side, L = L0 − x."""
         return self.fixed_length_mm - np.asarray(contraction_mm, dtype=np.float64)

@@ -31,6 +31,9 @@ _HEADROOM = 1.25
 NO_RESPONSE = "no response"
 """In place of the error of a model whose response runs away on what is held out."""
 
+LONGEST_LINE = 17
+"""Letters of a name that fit side by side below the bars."""
+
 MOST_LOSS = 1.0
 """A bar ends where the error has doubled: what is known no better would hide all else."""
 
@@ -155,9 +158,9 @@ def _gain(cause: Cause) -> str:
     return text if cause.gain_ci95 is not None else f"{text}\nno interval"
 
 
-def _folded(name: str, *, longest: int = 17) -> str:
+def _folded(name: str) -> str:
     """A name on two lines when it is long."""
-    if len(name) <= longest:
+    if len(name) <= LONGEST_LINE:
         return name
     words = name.split()
     cut = min(

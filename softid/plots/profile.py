@@ -46,7 +46,6 @@ def draw_profile(
     threshold: float,
     estimate: float | None = None,
     ci95: tuple[float | None, float | None] | None = None,
-    title: str | None = None,
 ) -> Figure:
     """Draw the points of a profile with the threshold of its 95 % interval.
 
@@ -64,8 +63,6 @@ def draw_profile(
         The fitted value.
     ci95
         Limits of the interval, None on a side that has no end.
-    title
-        Heading.
 
     Returns
     -------
@@ -112,7 +109,7 @@ def draw_profile(
         if open_sides:
             remark = f"open {' and '.join(open_sides)}: the logs set no limit there"
             handles.append(Line2D([], [], ls="none", label=remark))
-    finish(figure, title or f"Profile of {name}", handles, rows=2)
+    finish(figure, f"Profile of {name}", handles, rows=2)
     return figure
 
 

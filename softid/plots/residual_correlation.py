@@ -37,6 +37,7 @@ DECAYS_SHOWN = 3.0
 """The lags shown reach this many times as far as the autocorrelation takes to enter its band."""
 
 _STEMS = 60
+_LAG = "lag (s)"
 _WHITE_DASHES = (0, (5, 3))
 
 
@@ -49,7 +50,6 @@ def draw_residual_correlation(
     cross_band: float,
     *,
     white_band: float,
-    lag_label: str = "lag (s)",
     input_name: str = "input",
     title: str = "Residual correlation",
 ) -> Figure:
@@ -68,7 +68,7 @@ def draw_residual_correlation(
         95 % half-width that allows for the memory of both.
     white_band
         95 % half-width for white noise.
-    lag_label, input_name, title
+    input_name, title
         Texts.
 
     Returns
@@ -77,12 +77,12 @@ def draw_residual_correlation(
     """
     figure = new_figure()
     above = add_panel(
-        figure, (LEFT, 0.56, RIGHT, TOP), x_label=lag_label, y_label="autocorrelation", y_ticks=6
+        figure, (LEFT, 0.56, RIGHT, TOP), x_label=_LAG, y_label="autocorrelation", y_ticks=6
     )
     below = add_panel(
         figure,
         (LEFT, BOTTOM, RIGHT, 0.455),
-        x_label=lag_label,
+        x_label=_LAG,
         y_label=f"correlation with {input_name.replace('_', ' ')}",
         y_ticks=6,
     )

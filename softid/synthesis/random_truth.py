@@ -17,6 +17,12 @@ from softid.synthesis.waveforms import Waveform
 SINE_PEAK_BAR = 2.4
 """Peak of the sine that logs are made with, for which the share of the growing damping is drawn."""
 
+PRESSURE_NOISE_KPA = 0.2
+"""Standard deviation of the white noise of the pressure in ready-made logs."""
+
+VALVE_TIME_CONSTANT_S = 0.04
+"""First-order lag between command and measured pressure in ready-made logs."""
+
 
 def random_muscle_truth(rng: np.random.Generator) -> dict[str, float]:
     """Seven parameters of a muscle that somebody could have built; all are assumptions.
@@ -73,8 +79,6 @@ def muscle_log(
     columns: tuple[str, ...] = ("contraction_mm",),
     rate_hz: float = 100.0,
     noise_mm: float = 0.3,
-    pressure_noise_kpa: float = 0.2,
-    valve_time_constant_s: float = 0.04,
     geometry: Arc | None = None,
 ) -> SyntheticLog:
     """A muscle log with white noise, made without a recipe file.
@@ -91,10 +95,8 @@ def muscle_log(
         Output columns; those in rad get the noise divided by the diameter, those in deg likewise.
     rate_hz
         Sampling rate.
-    noise_mm, pressure_noise_kpa
-        Standard deviations of the white noise.
-    valve_time_constant_s
-        First-order lag between command and measured pressure.
+    noise_mm
+        Standard deviation of the white noise of a contraction.
     geometry
         Arc, needed for distance, length and angle columns.
 
@@ -106,7 +108,7 @@ def muscle_log(
     >>> made.to_log().outputs, len(made.time_s)
     (('contraction',), 101)
     """
-    sensors = {"pressure_kpa": Sensor(decimals=3, noise_sd=pressure_noise_kpa)}
+    sensors = {"pressure_kpa": Sensor(decimals=3, noise_sd=PRESSURE_NOISE_KPA)}
     for column in columns:
         scale = 1.0
         if column.startswith("angle") and geometry is not None:
@@ -124,6 +126,6 @@ def muscle_log(
             sensors=sensors,
             seed=seed,
             geometry=geometry,
-            valve=Valve(valve_time_constant_s),
+            valve=Valve(VALVE_TIME_CONSTANT_S),
         )
     )

@@ -45,8 +45,6 @@ class AutoRegression:
         Samples used.
     aicc, bic
         Criteria of this order, by which it was chosen.
-    capped
-        Whether `restricted_ar` drew in a root because the record is too short for such a memory.
     """
 
     phi: tuple[float, ...]
@@ -55,7 +53,6 @@ class AutoRegression:
     n: int
     aicc: float
     bic: float
-    capped: bool = False
 
     @property
     def order(self) -> int:

@@ -17,6 +17,9 @@ Array = npt.NDArray[np.float64]
 CI_METHOD = "block-bootstrap"
 """Name of this method in results."""
 
+COVERAGE = 0.95
+"""Probability that an interval covers the truth."""
+
 MIN_BLOCKS = 4
 """A block is at most this fraction of its segment, so that draws can differ."""
 
@@ -209,15 +212,13 @@ def circular_blocks(n: int, block: int, rng: np.random.Generator) -> npt.NDArray
     return np.asarray((starts[:, None] + np.arange(block)).ravel()[:n] % n, dtype=np.int64)
 
 
-def bootstrap_intervals(estimates: Array, *, level: float = 0.95) -> Array:
-    """Percentile intervals of bootstrap estimates.
+def bootstrap_intervals(estimates: Array) -> Array:
+    """95 % percentile intervals of bootstrap estimates.
 
     Parameters
     ----------
     estimates
         One row for each draw, shape (B, K); a row that is not finite is a refit that failed.
-    level
-        Probability that the interval covers the truth.
 
     Returns
     -------
@@ -247,5 +248,5 @@ def bootstrap_intervals(estimates: Array, *, level: float = 0.95) -> Array:
             value=f"{100 * failed:.0f} % of {good.size}",
             remedy="fix or bound the parameters that are not identified",
         )
-    edges = [(1.0 - level) / 2.0, (1.0 + level) / 2.0]
+    edges = [(1.0 - COVERAGE) / 2.0, (1.0 + COVERAGE) / 2.0]
     return np.asarray(np.quantile(estimates[good], edges, axis=0).T, dtype=np.float64)

@@ -46,6 +46,9 @@ MIN_STRETCHES = 50
 MIN_STRETCHES_PER_PARAMETER = 10
 """Averages from which on a time scale is used, in times the parameters."""
 
+COVERAGE = 0.95
+"""Probability that an interval covers the truth."""
+
 MIN_FREEDOM = 2.0
 """Fewest degrees of freedom of an interval; below, its width says nothing but "unknown"."""
 
@@ -192,7 +195,7 @@ def sandwich_covariance(
         rounded = rounding_covariance(blocks, roundings, line.inverse)
         variances = np.vstack((variances, np.diag(rounded)))
         freedoms = np.vstack((freedoms, np.full(len(names), WELL_KNOWN)))
-    widest = np.argmax(_quantile(freedoms, 0.95) * np.sqrt(variances), axis=0)
+    widest = np.argmax(_quantile(freedoms) * np.sqrt(variances), axis=0)
     pick = widest, np.arange(len(names))
     return _assemble(names, line, scales[0], variances[pick], freedoms[pick])
 
@@ -209,10 +212,8 @@ def confidence_interval(
     scale: ParameterScale,
     sd: float | None,
     degrees_of_freedom: float | None,
-    *,
-    level: float = 0.95,
 ) -> tuple[float, float] | None:
-    """Interval v ± t sd, or v exp(± t sd) on a logarithmic scale, with Student's t.
+    """95 % interval v ± t sd, or v exp(± t sd) on a logarithmic scale, with Student's t.
 
     Parameters
     ----------
@@ -222,8 +223,6 @@ def confidence_interval(
         ``"linear"`` or ``"log"``.
     sd, degrees_of_freedom
         From `Covariance`, in the internal coordinate.
-    level
-        Probability that the interval covers the truth.
 
     Returns
     -------
@@ -238,7 +237,7 @@ def confidence_interval(
     """
     if sd is None or degrees_of_freedom is None:
         return None
-    half = float(_quantile(np.array(degrees_of_freedom), level)) * sd
+    half = float(_quantile(np.array(degrees_of_freedom))) * sd
     if scale == "linear":
         return (value - half, value + half) if np.isfinite(half) else None
     if half > MAX_LOG_HALF_WIDTH:
@@ -368,9 +367,9 @@ def _assemble(
     )
 
 
-def _quantile(freedom: Array, level: float) -> Array:
+def _quantile(freedom: Array) -> Array:
     degrees = np.maximum(freedom, MIN_FREEDOM)
-    each = [student_quantile(nu, 0.5 + level / 2.0) for nu in degrees.ravel().tolist()]
+    each = [student_quantile(nu, 0.5 + COVERAGE / 2.0) for nu in degrees.ravel().tolist()]
     return np.reshape(each, degrees.shape)
 
 

@@ -173,7 +173,6 @@ def _finish(
         n=start.n,
         aicc=start.aicc,
         bic=start.bic,
-        capped=capped,
     )
     if known is None:
         return RestrictedFit(ar, x, np.zeros((0, 0)), moments.n - moments.reachable)

@@ -11,7 +11,6 @@ from softid.errors import UsageError
 from softid.models import MODELS
 from softid.models.option_kinds import option_kinds
 
-NUMBERS = ("number", "whole number")
 WRONG: dict[str, tuple[object, ...]] = {
     "number": ("abc", True, float("nan"), float("inf"), [3.0]),
     "whole number": ("abc", True, float("nan"), float("inf"), 2.5),
