@@ -9,7 +9,6 @@ itself is always taken over all samples.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +19,7 @@ from softid.fitters.noise_level import at_noise_level
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
+from softid.parallel import in_parallel
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -256,9 +256,8 @@ def leads(
         return led(own, start, problem, evaluations), own.evaluations
 
     rows = [run(starts[0])]
-    with ThreadPoolExecutor(max_workers=LEADERS) as pool:
-        while len(rows) < len(starts) and not any(lead.is_white for lead, _ in rows):
-            rows += pool.map(run, starts[len(rows) :][:LEADERS])
+    while len(rows) < len(starts) and not any(lead.is_white for lead, _ in rows):
+        rows += in_parallel(run, starts[len(rows) :][:LEADERS], small=True)
     objective.evaluations += sum(spent for _, spent in rows)
     found = [lead for lead, _ in rows]
     return sorted(found, key=lambda lead: lead.cost)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
+from softid.fitters import thinned
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
@@ -16,6 +19,7 @@ from softid.fitters.thinned import (
     MOST_PER_LOG,
     MOST_WINDOWED,
     WINDOWED,
+    Lead,
     ThinnedProblem,
     WindowedProblem,
     leads,
@@ -26,8 +30,11 @@ from softid.fitters.thinned import (
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.models.muscle_law import NAMES
+from softid.parallel import sharing
 from softid.synthesis import muscle_log, random_muscle_truth
 from softid.synthesis.waveforms import Steps
+
+Array = npt.NDArray[np.float64]
 
 LEVELS = (0.0, 60.0, 180.0, 300.0, 210.0, 90.0, 0.0)
 TRUTH = random_muscle_truth(np.random.default_rng(1))
@@ -113,6 +120,30 @@ def test_a_false_optimum_of_windows_is_not_followed_over_all_samples() -> None:
     whole = output_error(problem, [problem.values(s) for s in starts], rng=np.random.default_rng(0))
     assert whole.start.tolist() != far.tolist()
     assert whole.status.success
+
+
+@pytest.mark.parametrize("cores", [1, 2])
+def test_starts_go_through_windows_on_no_more_cores_than_there_are(
+    monkeypatch: pytest.MonkeyPatch, cores: int
+) -> None:
+    """Two at a time where a process may use two cores, by its own thread where it has one."""
+    problem = problem_of(steps_every(0.2))
+    near = problem.unknowns({name: 1.3 * value for name, value in FAST.items()})
+    windows = rough_problem(problem, near)
+    assert windows is not None
+    threads: list[int] = []
+
+    def nowhere(objective: Objective, start: Array, *_: object) -> Lead:
+        threads.append(threading.get_ident())
+        return Lead(start, start)
+
+    monkeypatch.setattr(sharing, "usable_cores", lambda: cores)
+    monkeypatch.setattr(thinned, "led", nowhere)
+    starts = [near.copy() for _ in range(3)]
+    found = leads(Objective(problem, {"contraction": 1.0}), starts, windows, 9)
+    assert len(found) == len(threads) == 3
+    assert threads[0] == threading.get_ident()
+    assert (set(threads) == {threading.get_ident()}) is (cores == 1)
 
 
 def test_several_logs_are_led_by_windows_of_those_that_move_most() -> None:
