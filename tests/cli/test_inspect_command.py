@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from desk import Desk, Outcome
 from drawn_logs import staircase_log, with_fault
+from jsonschema import Draft202012Validator
 
 from softid.errors import Issue
 from softid.log import Log
 from softid.quality import inspect
 from softid.records import dump_json
+from softid.records.reading import load_schema
 from softid_cli.inspect import render
 
 Cli = Callable[..., Outcome]
@@ -122,6 +124,25 @@ def test_json_has_no_nan_and_one_shape() -> None:
     assert len({tuple(sorted(c)) for d in documents for c in d["channels"]}) == 1
     assert documents[0]["holds"][0]["after_change"] is False
     assert documents[1]["channels"][0]["noise_std"] is None
+
+
+def test_json_is_valid_by_its_schema(softid: Cli, tmp_path: Path) -> None:
+    """The schema is the published format, for a log with findings and for one of three samples."""
+    log = faulty_log()
+    rows = np.column_stack([log.time_s, *(c.values for c in log.channels.values())])
+    header = ",".join(["time_s", *(f"{n}_{c.unit}" for n, c in log.channels.items())])
+    np.savetxt(tmp_path / "long.csv", rows, delimiter=",", header=header, comments="")
+    (tmp_path / "short.csv").write_text("time_s,pressure_kpa,angle_deg\n0,0,1\n0.1,5,1\n0.2,9,1\n")
+    done = softid("inspect", tmp_path / "long.csv", tmp_path / "short.csv", "--json")
+    assert done.code == 0, done.err
+    document = json.loads(done.out)
+    long, short = document["logs"]
+    assert long["channels"][1]["dropouts"]
+    assert not short["responses"]
+    schema = load_schema(document["schema"])
+    Draft202012Validator(schema).validate(document)
+    assert set(schema["$defs"]["inspection"]["properties"]) == set(long)
+    assert set(schema["$defs"]["channel"]["properties"]) == set(long["channels"][0])
 
 
 @pytest.mark.parametrize("width", [80, 120])

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from jsonschema import Draft202012Validator
 
 from softid.errors import InputError, OutputError, UsageError
+from softid.records.reading import load_schema
 from softid.synthesis import bundled_datasets
 from softid_cli.synthesize import synthesize
 
@@ -39,6 +41,18 @@ def test_json_and_seed(tmp_path: Path) -> None:
     assert (log["seed"], result.stderr) == (5, "")
     again = bundled_datasets() / "data" / "zhao_middle.csv"
     assert (tmp_path / "data" / "zhao_middle.csv").read_bytes() != again.read_bytes()
+
+
+def test_the_manifest_is_valid_by_its_schema(tmp_path: Path) -> None:
+    """The schema is the published format, of what is written and of the bundled folder."""
+    assert run(RECIPE, "--out", str(tmp_path), "--quiet").exit_code == 0
+    written = json.loads((tmp_path / "manifest.json").read_text())
+    bundled = json.loads((bundled_datasets() / "manifest.json").read_text())
+    schema = load_schema(written["schema"])
+    for manifest in (written, bundled):
+        Draft202012Validator(schema).validate(manifest)
+    known = set().union(*bundled["logs"])
+    assert set(schema["$defs"]["log"]["properties"]) == known
 
 
 def test_default_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

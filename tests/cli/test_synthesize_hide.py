@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from desk import Outcome
+from jsonschema import Draft202012Validator
 
 from softid.readers import load
+from softid.records.reading import load_schema
 from softid.synthesis import HIDDEN, hidden_pair
 
 Softid = Callable[..., Outcome]
@@ -58,6 +60,23 @@ def test_json_and_options(softid: Softid) -> None:
     assert (
         Path("softid-out/hidden/train.csv").read_text().startswith("time_s,pressure_kpa,angle_deg")
     )
+
+
+@pytest.mark.parametrize(
+    ("model", "names"), [("muscle", "creep,periodic_gain"), ("oscillator", "none")]
+)
+def test_the_truth_is_valid_by_its_schema(softid: Softid, model: str, names: str) -> None:
+    """The schema is the published format; a law of no catalogue has no name that is right."""
+    step = ("--protocol", "step", "--model", model)
+    done = softid("synthesize", "--hide", names, *step, "--json", "--quiet", "--out", "here")
+    assert done.code == 0, done.err
+    truth = json.loads(Path("here/truth.json").read_text())
+    schema = load_schema(truth["schema"])
+    for document in (truth, json.loads(done.out)):
+        Draft202012Validator(schema).validate(document)
+    assert set(schema["properties"]) == set(truth)
+    assert set(schema["$defs"]["rig"]["properties"]) == set(truth["rig"])
+    assert set(schema["$defs"]["sizes"]["properties"]) == set(truth["sizes"])
 
 
 def test_nothing_is_overwritten_unasked(softid: Softid) -> None:

@@ -59,8 +59,8 @@ def test_a_long_seed_keeps_every_digit(tmp_path: Path) -> None:
 
 def test_schemas_are_schemas() -> None:
     """A typing error in a schema would make it accept anything; draft 2020-12 checks itself."""
-    for name in ("softid.params/1", "softid.validation/1"):
-        Draft202012Validator.check_schema(load_schema(name))
+    for name in ("params", "validation", "inspection", "hidden", "synthetic"):
+        Draft202012Validator.check_schema(load_schema(f"softid.{name}/1"))
 
 
 def test_values_come_back_exactly(saved: Path) -> None:
