@@ -7,6 +7,7 @@ comes with a band that allows for it next to the band for white noise.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,12 @@ FEW_LAGS = 32
 
 NORMAL_95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal law."""
+
+WHITENESS_LEVEL = 0.01
+"""p-value below which a residual is called coloured: by chance one white one in a hundred is."""
+
+WHITENESS_LAGS, SAMPLES_PER_LAG = 20, 5
+"""Lags of `whiteness` at most, and samples that each of them needs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +100,11 @@ class WhitenessTest:
     statistic: float
     p_value: float
     degrees_of_freedom: int
+
+    @property
+    def is_white(self) -> bool:
+        """Whether white noise has so large a Q oftener than once in a hundred times."""
+        return self.p_value >= WHITENESS_LEVEL
 
 
 def autocorrelation(residual: Array, max_lag: int) -> Autocorrelation:
@@ -268,6 +280,37 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     any_pair = pairs[1:] > 0
     q = float(n * (n + 2.0) * np.sum((sums[1:][any_pair] / sums[0]) ** 2 / pairs[1:][any_pair]))
     return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
+
+
+def whiteness(residuals: Sequence[Array]) -> WhitenessTest:
+    """Test whether what a fit leaves is white: `ljung_box` at 20 lags, of few samples at fewer.
+
+    Parameters
+    ----------
+    residuals
+        One residual per segment, shape (n_s,); NaN where a sample is not used. No pair of samples
+        is taken across two of them.
+
+    Returns
+    -------
+    WhitenessTest
+        At as many lags as a fifth of the samples where that is less than 20, and at one at least.
+
+    Raises
+    ------
+    InputError
+        Fewer than two samples are used.
+
+    Examples
+    --------
+    >>> whiteness([np.array([1.0, -1.0] * 50)]).is_white
+    False
+    """
+    n = sum(int(np.count_nonzero(np.isfinite(residual))) for residual in residuals)
+    gap = np.full(WHITENESS_LAGS, np.nan)
+    apart = [part for residual in residuals for part in (residual, gap)][:-1]
+    joined = np.concatenate(apart) if len(apart) > 1 else apart[0]
+    return ljung_box(joined, max(1, min(WHITENESS_LAGS, n // SAMPLES_PER_LAG)))
 
 
 def _span_and_mean(values: Array) -> tuple[float, float]:

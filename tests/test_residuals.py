@@ -7,7 +7,7 @@ import pytest
 from noise import ar1
 
 from softid.errors import InputError, UsageError
-from softid.residuals import autocorrelation, cross_correlation, ljung_box
+from softid.residuals import autocorrelation, cross_correlation, ljung_box, whiteness
 
 
 def test_autocorrelation_without_gaps_is_the_textbook_sum() -> None:
@@ -97,6 +97,18 @@ def test_ljung_box_finds_a_memory_and_counts_fitted_coefficients() -> None:
     whitened = ljung_box(x[1:] - 0.4 * x[:-1], 10, 1)
     assert whitened.p_value > 0.01
     assert whitened.degrees_of_freedom == 9
+
+
+def test_whiteness_of_segments_is_that_of_their_own_pairs() -> None:
+    """Lags of a fifth of the samples, twenty at most; no pair spans two segments."""
+    x = np.random.default_rng(5).standard_normal(120)
+    assert whiteness([x]) == ljung_box(x, 20)
+    assert whiteness([x[:30]]) == ljung_box(x[:30], 6)
+    assert whiteness([x[:4]]) == ljung_box(x[:4], 1)
+    apart = np.concatenate([x[:50], np.full(20, np.nan), x[50:]])
+    assert whiteness([x[:50], x[50:]]) == ljung_box(apart, 20)
+    assert whiteness([x]).is_white
+    assert not whiteness([np.cumsum(x)]).is_white
 
 
 def test_ljung_box_of_a_constant_residual_does_not_alarm() -> None:

@@ -26,7 +26,7 @@ from softid.fitters.order_choice import (
     pressure_pairs,
 )
 from softid.models.polynomial import Domain, Polynomial, backward_stretches, powers
-from softid.residuals import ljung_box
+from softid.residuals import whiteness
 from softid.uncertainty import CI_METHOD, ResidualBlock, sandwich_covariance
 
 __all__ = [
@@ -44,11 +44,8 @@ __all__ = [
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-_WHITENESS_LAGS = 20
-"""Lags of the Ljung–Box test at most, and no more than a fifth of the samples."""
-
-_WHITENESS_LEVEL = 0.01
-"""p-value below which a residual is called coloured: by chance one white one in a hundred is."""
+_LEAST_LAGS = 2
+"""With fewer lags, of less than ten samples, the whiteness test says nothing."""
 
 _ROUNDING = 1e-11
 """Residuals below this share of the largest output are rounding, whose memory says nothing."""
@@ -234,11 +231,10 @@ def _errors(
     block = ResidualBlock("output", (jacobian,), (residual,))
     names = [f"u{power}" for power in range(k - 1, -1, -1)]
     covariance = sandwich_covariance([block], names).matrix
-    lags = min(_WHITENESS_LAGS, n // 5)
-    negligible = float(np.nanmax(np.abs(residual))) <= _ROUNDING * scale
-    if lags < 2 or negligible:
+    if float(np.nanmax(np.abs(residual))) <= _ROUNDING * scale:
         return covariance, None
-    return covariance, ljung_box(residual, lags).p_value >= _WHITENESS_LEVEL
+    test = whiteness([residual])
+    return covariance, test.is_white if test.degrees_of_freedom >= _LEAST_LAGS else None
 
 
 def _issues(

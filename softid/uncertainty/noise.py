@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.residuals import ljung_box
+from softid.residuals import whiteness
 from softid.results import NoiseModel
 from softid.uncertainty.autoregression import (
     AutoRegression,
@@ -22,11 +22,6 @@ from softid.uncertainty.autoregression import (
 
 Array = npt.NDArray[np.float64]
 
-WHITENESS_LEVEL = 0.01
-"""False-alarm rate of the whiteness test in a `NoiseModel`."""
-
-LJUNG_BOX_LAGS = 20
-"""Lags of the whiteness test, fewer on short records (a fifth of the samples)."""
 
 FIRST_LAGS, MORE_LAGS = 4096, 8
 """Autocovariances are made for so many lags, and so many times more until they have faded."""
@@ -107,16 +102,13 @@ def noise_model(
     runs = [run for residual in residuals for run in contiguous_runs(residual)]
     n = sum(run.size for run in runs)
     power = sum(float(run @ run) for run in runs)
-    gap = np.full(LJUNG_BOX_LAGS, np.nan)
-    apart = [part for residual in residuals for part in (residual, gap)][:-1]
-    joined = np.concatenate(apart) if len(apart) > 1 else apart[0]
-    test = ljung_box(joined, max(1, min(LJUNG_BOX_LAGS, n // 5)))
+    test = whiteness(residuals)
     return NoiseModel(
         channel=channel,
         sigma=float(np.sqrt(power / max(n - fitted_parameters, 1))),
         innovation_sigma=model.sigma_innovation,
         ar=model.phi,
-        white=test.p_value >= WHITENESS_LEVEL,
+        white=test.is_white,
         ljung_box_p=test.p_value,
         effective_n=min(effective_n(model, [run.size for run in runs]), float(n)),
     )
