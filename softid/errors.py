@@ -6,11 +6,12 @@ line returns. An `Issue` is the same four facts about something that did not sto
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, TypeVar
 
 Severity = Literal["info", "warning", "error"]
+Entry = TypeVar("Entry")
 
 
 class SoftidError(Exception):
@@ -108,6 +109,39 @@ class Issue:
     severity: Severity
     message: str
     remedy: str | None = None
+
+
+def entry_named(
+    name: str, table: Mapping[str, Entry], *, unknown: str, where: str | None = None
+) -> Entry:
+    """The entry of a table that a user named.
+
+    Parameters
+    ----------
+    name
+        What was given.
+    table
+        Name → entry.
+    unknown
+        What is wrong if it has none: ``"there is no such model"``.
+    where
+        Option, for the message.
+
+    Raises
+    ------
+    UsageError
+        The table has no such name; the error lists those that it has.
+
+    Examples
+    --------
+    >>> entry_named("yeoh", {"muscle": 1, "oscillator": 2}, unknown="there is no such model")
+    Traceback (most recent call last):
+    ...
+    softid.errors.UsageError: there is no such model (got 'yeoh'); choose from muscle, oscillator.
+    """
+    if name not in table:
+        raise UsageError(unknown, where=where, value=name, remedy=f"choose from {', '.join(table)}")
+    return table[name]
 
 
 def refuse_unknown(given: Iterable[str], allowed: Collection[str], *, where: str) -> None:

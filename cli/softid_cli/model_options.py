@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import click
 
-from softid.errors import SoftidError, UsageError
+from softid.errors import SoftidError, UsageError, entry_named
 from softid_cli.console import say
 from softid_cli.options import FILE, assignments, length_mm, named_if
 
@@ -149,14 +149,8 @@ def _require_options(name: str, given: Mapping[str, object]) -> None:
     """Refuse a model that does not exist, and options that it lacks or that are not chosen."""
     from softid.models import MODELS
 
-    if name not in MODELS:
-        raise UsageError(
-            "there is no such model",
-            where="--model",
-            value=name,
-            remedy=f"choose from {', '.join(MODELS)}",
-        )
-    own = {f.name for f in fields(MODELS[name])}
+    model = entry_named(name, MODELS, unknown="there is no such model", where="--model")
+    own = {f.name for f in fields(model)}
     known = {option for option in own if not follows_from_logs(option)}
     for option in given:
         if option in own - known:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from softid.errors import UsageError
+from softid.errors import entry_named
 from softid_cli.model_options import follows_from_logs
 from softid_cli.options import json_option, quiet_option
 
@@ -28,19 +28,16 @@ def models(name: str | None, as_json: bool, quiet: bool) -> None:
     from softid.records import dump_json
     from softid_cli.tables import print_rows
 
-    if name is not None and name not in MODELS:
-        raise UsageError(
-            "there is no such model", value=name, remedy=f"choose from {', '.join(MODELS)}"
-        )
+    named = None if name is None else entry_named(name, MODELS, unknown="there is no such model")
     if as_json:
-        chosen = [MODELS[name]] if name else list(MODELS.values())
+        chosen = [named] if named else list(MODELS.values())
         click.echo(dump_json([describe(in_own_units(model())) for model in chosen]), nl=False)
-    elif name is None:
+    elif named is None:
         rows = [(key, model.title, model.equation) for key, model in MODELS.items()]
         print_rows([("model", "left"), ("what it describes", "left"), ("equation", "left")], rows)
         click.echo("\n`softid models NAME` shows parameters, units and what identifies them.")
     else:
-        print_description(in_own_units(MODELS[name]()))
+        print_description(in_own_units(named()))
 
 
 def in_own_units(model: Model) -> Model:

@@ -9,7 +9,7 @@ from softid.effects.base import Effect
 from softid.effects.catalogue import EFFECTS
 from softid.effects.extension.extended_model import ExtendedModel
 from softid.effects.scale import Scale
-from softid.errors import UsageError
+from softid.errors import UsageError, entry_named
 from softid.models import MODELS, Model
 from softid.results import ModelSpec
 
@@ -37,11 +37,8 @@ def model_of(spec: ModelSpec) -> Model:
     >>> model_of(ModelSpec("oscillator", {"order": "first"})).parameters().free
     ('N', 'Q')
     """
-    if spec.name not in MODELS:
-        raise UsageError(
-            "there is no such model", value=spec.name, remedy=f"choose from {', '.join(MODELS)}"
-        )
-    base: Model = MODELS[spec.name](**spec.options)
+    model = entry_named(spec.name, MODELS, unknown="there is no such model")
+    base: Model = model(**spec.options)
     if not spec.effects:
         return base
     effects = tuple(effect_of(key) for key in spec.effects)

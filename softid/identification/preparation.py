@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.arguments import refused, require_explainable
-from softid.errors import InputError, Issue, UsageError
+from softid.errors import InputError, Issue, UsageError, entry_named
 from softid.identification.interpolated_output import (
     INTERPOLATED,
     RECOVERED,
@@ -238,12 +238,7 @@ def named_model(model: Model | str) -> Model:
     """
     if not isinstance(model, str):
         return require_model(model)
-    if model not in MODELS:
-        raise UsageError(
-            "there is no such model", value=model, remedy=f"choose from {', '.join(MODELS)}"
-        )
-    built: Model = MODELS[model]()
-    return built
+    return entry_named(model, MODELS, unknown="there is no such model")()
 
 
 def require_channels(model: Model, logs: LogSet) -> None:

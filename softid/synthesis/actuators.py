@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from softid.errors import UsageError
+from softid.errors import entry_named
 from softid.synthesis.bending_law import Bender, equilibrium_motion, equilibrium_units
 from softid.synthesis.laws import Motion, muscle_motion, oscillator_motion, parameter_units
 from softid.synthesis.random_truth import random_muscle_truth
@@ -251,13 +251,7 @@ def kind_of(model: str) -> Kind:
     UsageError
         The model has no law of motion here.
     """
-    if model not in ACTUATORS:
-        raise UsageError(
-            "there is no generator for this model",
-            value=model,
-            remedy=f"choose from {', '.join(ACTUATORS)}",
-        )
-    return ACTUATORS[model]
+    return entry_named(model, ACTUATORS, unknown="there is no generator for this model")
 
 
 def random_actuator(model: str, rng: np.random.Generator, *, x_unit: str = "mm") -> Actuator:

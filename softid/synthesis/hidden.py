@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from softid.errors import UsageError
+from softid.errors import entry_named
 from softid.synthesis.hidden_base import Hidden
 from softid.synthesis.hidden_heat import HEAT
 from softid.synthesis.hidden_inputs import INPUTS
@@ -51,10 +51,4 @@ def hidden_named(name: str) -> Hidden:
     UsageError
         There is no such effect; the error lists all.
     """
-    if name not in HIDDEN:
-        raise UsageError(
-            "no effect of this name can be hidden",
-            value=name,
-            remedy=f"choose from {', '.join(HIDDEN)}",
-        )
-    return HIDDEN[name]
+    return entry_named(name, HIDDEN, unknown="no effect of this name can be hidden")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from softid.errors import UsageError
+from softid.errors import entry_named
 from softid.synthesis.waveforms import (
     Chirp,
     Hold,
@@ -167,8 +167,4 @@ def protocol_named(name: str) -> Protocol:
     UsageError
         There is no such protocol.
     """
-    if name not in PROTOCOLS:
-        raise UsageError(
-            "there is no such protocol", value=name, remedy=f"choose from {', '.join(PROTOCOLS)}"
-        )
-    return PROTOCOLS[name]
+    return entry_named(name, PROTOCOLS, unknown="there is no such protocol")
