@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import MOST_LOST, StateEffect
+from softid.effects.base import StateEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.steady_change import relative_rate
 from softid.kernels.terms import STIFFNESS
-from softid.parameters import Parameter, ParameterSet
-
-SHARE = 0.1
-"""Start of the change over the log."""
+from softid.parameters import ParameterSet
 
 
 @dataclass(frozen=True)
@@ -51,19 +49,8 @@ class Ageing(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The rate r; a negative one leaves a tenth of the stiffness at the end of the log."""
-        return ParameterSet(
-            (
-                Parameter(
-                    "r",
-                    SHARE / scale.duration_s,
-                    "1/s",
-                    -MOST_LOST / scale.duration_s,
-                    MOST_LOST / scale.duration_s,
-                    meaning="share of the stiffness gained each second",
-                    source=self.source,
-                ),
-            )
-        )
+        meaning = "share of the stiffness gained each second"
+        return relative_rate("r", scale, meaning=meaning, source=self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """One, since the effect is nearly linear in its rate."""

@@ -9,14 +9,12 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import MOST_LOST, OutputEffect
+from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
-from softid.parameters import Parameter, ParameterSet
+from softid.effects.shared_laws.steady_change import relative_rate
+from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
-
-SHARE = 0.1
-"""Start of the change over the log."""
 
 
 @dataclass(frozen=True)
@@ -55,19 +53,8 @@ class SensorGainDrift(OutputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The rate g; a negative one leaves a tenth of the gain at the end of the log."""
-        return ParameterSet(
-            (
-                Parameter(
-                    "g",
-                    SHARE / scale.duration_s,
-                    "1/s",
-                    -MOST_LOST / scale.duration_s,
-                    MOST_LOST / scale.duration_s,
-                    meaning="relative change of the gain per second",
-                    source=self.source,
-                ),
-            )
-        )
+        meaning = "relative change of the gain per second"
+        return relative_rate("g", scale, meaning=meaning, source=self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """One, since the effect is linear in its rate."""
