@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import hashlib
 import io
 import stat
 import zlib
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from softid.errors import InputError
+from softid.fingerprint import content_fingerprint, stream_fingerprint
 
 SIZE_LIMIT_BYTES = 512 * 2**20
 """Largest content that is read at once, after decompression."""
@@ -96,13 +96,13 @@ def read_content(path: Path, *, compressed: bool | None = False) -> Content:
         data = path.read_bytes()
     except OSError as error:
         raise _unreadable(path, error) from error
-    sha256 = hashlib.sha256(data).hexdigest()
+    sha256 = content_fingerprint(data)
     if compressed is None:
         compressed = data.startswith(GZIP_SIGNATURE)
     return Content(_decompressed(path, data) if compressed else data, sha256)
 
 
-def fingerprint(path: Path) -> str:
+def file_fingerprint(path: Path) -> str:
     """The sha256 of a file that is too large to hold, read piece by piece.
 
     Raises
@@ -110,14 +110,11 @@ def fingerprint(path: Path) -> str:
     InputError
         The file cannot be read.
     """
-    digest = hashlib.sha256()
     try:
         with path.open("rb") as stream:
-            while piece := stream.read(CHUNK_BYTES):
-                digest.update(piece)
+            return stream_fingerprint(stream)
     except OSError as error:
         raise _unreadable(path, error) from error
-    return digest.hexdigest()
 
 
 def refuse_other_format(path: Path, data: bytes) -> None:

@@ -114,7 +114,7 @@ def read_parquet(path: Path) -> Table:
     units = tuple(_unit_of(field.metadata) for field in fields)
     head = Head(
         path=str(path),
-        sha256=files.fingerprint(path),
+        sha256=files.file_fingerprint(path),
         file_format="parquet",
         names=tuple(field.name for field in fields),
         units=units,

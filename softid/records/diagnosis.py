@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
 from pathlib import Path
 
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
+from softid.fingerprint import content_fingerprint
 from softid.records.params import (
     channel_entries,
     data_entries,
@@ -79,7 +79,7 @@ def diagnosis_files(diagnosis: Diagnosis) -> dict[str, dict[str, Plain]]:
         if fit.success:
             name = FILES[what]
             models[name] = fit_document(fit)
-            sums[f"{what}_sha256"] = _sha256(dump_json(models[name]))
+            sums[f"{what}_sha256"] = content_fingerprint(dump_json(models[name]))
             continue
         issue = Issue(
             f"{what}-not-converged",
@@ -110,10 +110,6 @@ def superseded(folder: Path) -> dict[str, str]:
     known = dict(recorded_plots(folder / RECORD))
     sums = {name: known_value(folder / RECORD, f"{what}_sha256") for what, name in FILES.items()}
     return known | {name: old for name, old in sums.items() if isinstance(old, str)}
-
-
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def diagnosis_document(diagnosis: Diagnosis, *, base: str | None) -> dict[str, Plain]:

@@ -8,10 +8,9 @@ from importlib import metadata
 from pathlib import Path
 
 from softid.errors import IdentificationError
-from softid.fingerprint import data_fingerprint
+from softid.fingerprint import data_fingerprint, facts_fingerprint
 from softid.records.plain import (
     Plain,
-    content_sha256,
     dump_json,
     record_sha256,
     to_jsonable,
@@ -102,7 +101,7 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
         "seed": result.seed,
         "options": options_entry(result),
         "issues": to_jsonable(result.issues),
-        "content_sha256": fingerprint(result.model, result.values),
+        "content_sha256": model_fingerprint(result.model, result.values),
     }
     return document | {"record_sha256": record_sha256(document)}
 
@@ -144,10 +143,21 @@ def scale_entry(spec: ModelSpec) -> Plain:
     return to_jsonable(dict(spec.scale)) if spec.effects else None
 
 
-def fingerprint(spec: ModelSpec, values: Mapping[str, float]) -> str:
-    """What tells whether a record was edited by hand."""
-    scale = {name: v if isinstance(v, str) else float(v) for name, v in spec.scale.items()}
-    return content_sha256(spec.name, spec.options, values, effects=spec.effects, scale=scale)
+def model_fingerprint(spec: ModelSpec, values: Mapping[str, float]) -> str:
+    """Fingerprint of a model, its options, its effects with their scale, and its values.
+
+    It tells a file that was edited by hand from one that softid wrote; it is no protection
+    against someone who computes it anew.
+    """
+    facts: dict[str, Plain] = {
+        "model": spec.name,
+        "options": to_jsonable(dict(spec.options)),
+        "values": {key: repr(float(value)) for key, value in values.items()},
+    }
+    if spec.effects:
+        scale = {name: v if isinstance(v, str) else float(v) for name, v in spec.scale.items()}
+        facts |= {"effects": list(spec.effects), "scale": to_jsonable(scale)}
+    return facts_fingerprint(facts)
 
 
 def parameter_entry(estimate: ParameterEstimate) -> Plain:

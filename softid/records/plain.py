@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from enum import Enum
 from pathlib import PurePath
 
 import numpy as np
+
+from softid.fingerprint import facts_fingerprint
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 
@@ -76,27 +77,4 @@ def record_sha256(document: Mapping[str, object]) -> str:
     """
     apart = ("record_sha256", "plots", "profiles")
     facts = {key: to_jsonable(v) for key, v in document.items() if key not in apart}
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
-
-
-def content_sha256(
-    name: str,
-    options: Mapping[str, object],
-    values: Mapping[str, float],
-    *,
-    effects: Sequence[str] = (),
-    scale: Mapping[str, object] | None = None,
-) -> str:
-    """Fingerprint of a model, its options, its effects with their scale, and its values.
-
-    It tells a file that was edited by hand from one that softid wrote; it is no protection
-    against someone who computes it anew.
-    """
-    facts: dict[str, Plain] = {
-        "model": name,
-        "options": to_jsonable(dict(options)),
-        "values": {key: repr(float(value)) for key, value in values.items()},
-    }
-    if effects:
-        facts |= {"effects": list(effects), "scale": to_jsonable(dict(scale or {}))}
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+    return facts_fingerprint(facts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from importlib import resources
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from softid.errors import InputError
+from softid.fingerprint import content_fingerprint
 
 NAME_RECORD = "name the params.json that `softid fit` wrote"
 """Remedy where a file is none of ours."""
@@ -94,10 +94,7 @@ def known_value(path: Path, key: str) -> object:
 
 def plot_fingerprints(plots: Mapping[str, str | bytes]) -> dict[str, str]:
     """What a record keeps of the plots beside it: file name → sha256."""
-    return {
-        name: hashlib.sha256(data.encode() if isinstance(data, str) else data).hexdigest()
-        for name, data in plots.items()
-    }
+    return {name: content_fingerprint(data) for name, data in plots.items()}
 
 
 def load_schema(schema: str) -> dict[str, Any]:

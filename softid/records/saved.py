@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from softid.errors import InputError, Issue, SoftidError, UsageError
 from softid.intersample import AVERAGED, InputNoise, Intersample, recorded_intersample
 from softid.records.agreement import require_units
-from softid.records.params import PARAMS_SCHEMA, fingerprint
+from softid.records.params import PARAMS_SCHEMA, model_fingerprint
 from softid.records.plain import record_sha256
 from softid.records.reading import read_document
 from softid.results import LogNuisance, ModelSpec, SegmentStart
@@ -318,7 +318,7 @@ def _nuisance(entry: dict[str, Any]) -> LogNuisance:
 def _edits(
     document: dict[str, Any], spec: ModelSpec, values: Mapping[str, float], *, where: str
 ) -> tuple[Issue, ...]:
-    if document["content_sha256"] != fingerprint(spec, values):
+    if document["content_sha256"] != model_fingerprint(spec, values):
         wrong = "the stated errors and scores no longer belong to its values"
     elif document.get("record_sha256", record_sha256(document)) != record_sha256(document):
         wrong = "its values stayed, but errors, fitted range or scores may not be those of the fit"

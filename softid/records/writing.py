@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import os
 import secrets
 import shutil
@@ -12,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from softid.errors import OutputError
+from softid.fingerprint import content_fingerprint
 from softid.interrupts import uninterrupted
 
 _REMEDIES = {
@@ -141,7 +141,7 @@ def _unchanged(folder: Path, known: Mapping[str, str]) -> list[Path]:
     return [
         path
         for path, sha256 in plain
-        if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256
+        if path.is_file() and content_fingerprint(path.read_bytes()) == sha256
     ]
 
 

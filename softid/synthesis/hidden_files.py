@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from softid.fingerprint import content_fingerprint
 from softid.records import dump_json, write_folder
 from softid.synthesis.hidden import HIDDEN
 from softid.synthesis.hidden_log import HiddenLog, HiddenPair
@@ -111,7 +111,7 @@ def _log_entry(made: HiddenLog) -> dict[str, Any]:
     return {
         "role": made.name,
         "file": _file_name(made),
-        "sha256": sha256(hidden_csv(made)).hexdigest(),
+        "sha256": content_fingerprint(hidden_csv(made)),
         "rows": made.time_s.size,
         "sigma": dict(made.sigma),
         "zero": made.zero,

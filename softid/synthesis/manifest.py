@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from softid.errors import InputError
+from softid.fingerprint import content_fingerprint
 from softid.synthesis.synthetic import SyntheticLog
 
 MANIFEST = "manifest.json"
@@ -100,7 +100,7 @@ def manifest_entry(synthetic: SyntheticLog, *, recipe_file: str, csv: bytes) -> 
         "name": synthetic.name,
         "title": recipe.title,
         "file": f"{DATA}/{synthetic.name}.csv",
-        "sha256": sha256(csv).hexdigest(),
+        "sha256": content_fingerprint(csv),
         "recipe": f"{RECIPES}/{recipe_file}",
         "seed": synthetic.seed,
         "rows": int(synthetic.time_s.size),

@@ -42,7 +42,7 @@ def test_a_table_becomes_a_log(tmp_path: Path) -> None:
     assert log.channels["pwm"].values.tolist() == [0, 128, 255]
     assert [i.code for i in log.issues] == ["column-left-out", "missing-output"]
     assert log.source is not None
-    assert log.source.sha256 == files.fingerprint(tmp_path / "log.parquet")
+    assert log.source.sha256 == files.file_fingerprint(tmp_path / "log.parquet")
 
 
 def test_timestamps_and_units_of_fields(tmp_path: Path) -> None:
