@@ -103,12 +103,15 @@ class Issue:
         One sentence: what, where, the value.
     remedy
         What to do about it, or None.
+    parameter
+        The parameter whose value is doubtful, where it is about one.
     """
 
     code: str
     severity: Severity
     message: str
     remedy: str | None = None
+    parameter: str | None = None
 
 
 def entry_named(

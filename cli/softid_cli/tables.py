@@ -41,9 +41,9 @@ def print_fit(result: FitResult) -> None:
     _print("", _parameter_table(own), "")
     for key, members in by_effect.items():
         _print(f"Effect {key}:", "", _parameter_table(members, key), "")
+    told = {issue.parameter for issue in result.issues}
     for estimate in result.parameters:
-        told = any(issue.message.startswith(f"{estimate.name} ") for issue in result.issues)
-        if estimate.reason and not told:
+        if estimate.reason and estimate.name not in told:
             _print(f"{estimate.name} is {estimate.verdict}: {estimate.reason}")
     for name, (value, unit) in result.derived.items():
         _print(f"{name.replace('_', ' ')}: {_derived_text(result, name, value, _unit(unit))}")

@@ -123,15 +123,13 @@ def score(
         validation_document,
         write_folder,
     )
-    from softid.records.reading import NAME_RECORD
+    from softid.records.reading import NoRecordError
     from softid.validation import validate as validate_model
     from softid_cli.tables import print_validation
 
     try:
         saved = load_params(params)
-    except InputError as error:
-        if error.remedy != NAME_RECORD:
-            raise
+    except NoRecordError as error:
         raise InputError(
             error.what,
             where=error.where,

@@ -162,7 +162,7 @@ def issues_of(
     for e in estimates:
         if e.name in unseen:
             message = f"{e.name} cannot be seen: {e.reason}; the fit continues without it"
-            found.append(Issue("not-seen", "warning", message, e.remedy or None))
+            found.append(Issue("not-seen", "warning", message, e.remedy or None, e.name))
         elif (unknown := estimate_issue(e)) is not None:
             found.append(unknown)
     found += [
@@ -204,7 +204,7 @@ def estimate_issue(e: ParameterEstimate) -> Issue | None:
         return None
     severity: Severity = "warning" if e.verdict == "not identified" else "info"
     message = f"{e.name} is {e.verdict}: {e.reason}"
-    return Issue(e.verdict.replace(" ", "-"), severity, message, e.remedy or None)
+    return Issue(e.verdict.replace(" ", "-"), severity, message, e.remedy or None, e.name)
 
 
 def _poor_fit(row: FitStatistics, statistics: Sequence[FitStatistics]) -> Issue:

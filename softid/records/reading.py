@@ -11,9 +11,6 @@ from typing import Any, NoReturn
 from softid.errors import InputError
 from softid.fingerprint import content_fingerprint
 
-NAME_RECORD = "name the params.json that `softid fit` wrote"
-"""Remedy where a file is none of ours."""
-
 _LARGEST_BYTES = 64 * 1024 * 1024
 _LONGEST_VALUE = 60
 _EXPECTED = {
@@ -28,6 +25,14 @@ _EXPECTED = {
     "maxItems": "at most {} entries",
     "pattern": "a text that matches {}",
 }
+
+
+class NoRecordError(InputError):
+    """The file is no record of softid's, or one of another kind than is wanted."""
+
+    def __init__(self, what: str, *, where: str, value: object = None) -> None:
+        remedy = "name the params.json that `softid fit` wrote"
+        super().__init__(what, where=where, value=value, remedy=remedy)
 
 
 def read_document(path: Path, *, schema: str) -> dict[str, Any]:
@@ -52,11 +57,10 @@ def read_document(path: Path, *, schema: str) -> dict[str, Any]:
     """
     document = _parse(_read_text(path), kind=schema.split("/")[0], where=str(path))
     if not isinstance(document, dict):
-        raise InputError(
+        raise NoRecordError(
             f"this is not a {schema.split('/')[0]} file",
             where=str(path),
             value=f"JSON {_type_name(document)}",
-            remedy=NAME_RECORD,
         )
     _check_kind(document, schema, where=str(path))
     _check_schema(document, schema, where=str(path))
@@ -113,23 +117,15 @@ def _read_text(path: Path) -> str:
                 "this is a folder", where=str(path), remedy="name the params.json inside it"
             )
         if size > _LARGEST_BYTES:
-            raise InputError(
-                f"{size / 1e6:.0f} MB is too large for a record of parameters",
-                where=str(path),
-                remedy=NAME_RECORD,
+            raise NoRecordError(
+                f"{size / 1e6:.0f} MB is too large for a record of parameters", where=str(path)
             )
         return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
-        raise InputError(
-            "there is no such file",
-            where=str(path),
-            remedy=NAME_RECORD,
-        ) from error
+        raise NoRecordError("there is no such file", where=str(path)) from error
     except UnicodeDecodeError as error:
-        raise InputError(
-            "this is not a text file",
-            where=f"{path}, byte {error.start}",
-            remedy=NAME_RECORD,
+        raise NoRecordError(
+            "this is not a text file", where=f"{path}, byte {error.start}"
         ) from error
     except OSError as error:
         raise InputError(
@@ -152,8 +148,8 @@ def _parse(text: str, *, kind: str, where: str) -> object:
         return json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:
         if not text.lstrip().startswith(("{", "[")):
-            raise InputError(
-                f"this is not a {kind} file, for it is no JSON", where=where, remedy=NAME_RECORD
+            raise NoRecordError(
+                f"this is not a {kind} file, for it is no JSON", where=where
             ) from error
         raise InputError(
             f"this is not JSON: {error.msg[:1].lower()}{error.msg[1:]}",
@@ -174,18 +170,13 @@ def _check_kind(document: Mapping[str, Any], schema: str, *, where: str) -> None
     if found == schema:
         return
     if not isinstance(found, str) or not found.startswith("softid."):
-        raise InputError(
+        raise NoRecordError(
             f"this is not a {kind} file",
             where=f"{where}, $.schema",
             value=found if isinstance(found, str) else None,
-            remedy=NAME_RECORD,
         )
     if found.split("/")[0] != kind:
-        raise InputError(
-            f"this is a {found.split('/')[0]} file, not a {kind} file",
-            where=where,
-            remedy=NAME_RECORD,
-        )
+        raise NoRecordError(f"this is a {found.split('/')[0]} file, not a {kind} file", where=where)
     writer = document.get("versions")
     version = writer.get("softid") if isinstance(writer, dict) else None
     by = f" by softid {version}" if isinstance(version, str) else ""

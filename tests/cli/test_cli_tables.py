@@ -9,6 +9,7 @@ import pytest
 from desk import Desk, Outcome
 from handmade import fit_result
 
+from softid.errors import Issue
 from softid.results import ModelSpec
 from softid_cli.main import COMMANDS
 from softid_cli.tables import model_text
@@ -108,6 +109,18 @@ def test_no_word_of_a_table_is_cut(softid: Cli, desk: Desk) -> None:
     told = softid("fit", "step_1.csv").out
     row = next(line for line in told.splitlines() if line.startswith("rest_torque "))
     assert row.split()[-3:] == ["0.0004516]", "N·m·s/rad", "identified"]
+
+
+def test_a_reason_is_told_once(softid: Cli, desk: Desk) -> None:
+    """In an issue about the parameter if there is one, else in a line; words do not decide."""
+    result = fit_result()
+    doubted = replace(result.parameter("M"), verdict="weakly identified", reason="few samples")
+    about = Issue("weakly-identified", "info", "M is weakly identified: few samples", None, "M")
+    begins_alike = Issue("ratios-only", "info", "M is a ratio to the torque")
+    for issues in ((about,), (begins_alike,)):
+        desk.answer = replace(result, parameters=(doubted,), issues=issues)
+        told = softid("fit", "step_1.csv", "--out", f"{issues[0].code}").out
+        assert told.count("M is weakly identified: few samples") == 1
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -11,7 +11,7 @@ from linear_motion import linear_log
 
 from softid.errors import IdentificationError, Issue, Severity
 from softid.identification import fit
-from softid.identification.issues import most_serious_first, require_explained
+from softid.identification.issues import estimate_issue, most_serious_first, require_explained
 from softid.log import LogSet
 from softid.results import FitResult
 
@@ -46,6 +46,14 @@ def test_the_most_serious_comes_first() -> None:
 
     came = [issue("a", "info"), issue("b", "warning"), issue("c", "error"), issue("d", "warning")]
     assert [told.code for told in most_serious_first(came)] == ["c", "b", "d", "a"]
+
+
+def test_a_doubtful_parameter_is_named_for_programs() -> None:
+    """In a field of its own, so that nobody has to read the sentence for it."""
+    estimate = replace(fit_result().parameter("M"), verdict="not identified", reason="no steps")
+    told = estimate_issue(estimate)
+    assert told is not None
+    assert (told.code, told.parameter) == ("not-identified", "M")
 
 
 def test_a_fit_tells_what_a_reader_noticed_in_its_place() -> None:
