@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +30,7 @@ FILES = {"base": BASE_PARAMS, "extended": EXTENDED_PARAMS}
 
 
 def save_diagnosis(
-    diagnosis: Diagnosis, folder: Path, *, overwrite: bool = False
+    diagnosis: Diagnosis, folder: str | os.PathLike[str], *, overwrite: bool = False
 ) -> tuple[Path, ...]:
     """Write a diagnosis and its models into a folder: all files, or none when the folder is new.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 from collections.abc import Mapping
 from importlib import metadata
@@ -23,7 +24,7 @@ PARAMS_SCHEMA = "softid.params/1"
 _LIBRARIES = ("softid", "numpy", "scipy", "numba")
 
 
-def save_fit(result: FitResult, path: Path, *, overwrite: bool = False) -> None:
+def save_fit(result: FitResult, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
     """Write a fit to ``params.json``.
 
     Parameters
@@ -31,7 +32,7 @@ def save_fit(result: FitResult, path: Path, *, overwrite: bool = False) -> None:
     result
         A fit that reached its optimum.
     path
-        Target file.
+        Target file; its folder must exist.
     overwrite
         Whether a file of that name may be replaced.
 

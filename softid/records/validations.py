@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from softid.records.params import (
@@ -19,7 +20,11 @@ VALIDATION_SCHEMA = "softid.validation/1"
 
 
 def save_validation(
-    validation: Validation, path: Path, *, params: Path | None = None, overwrite: bool = False
+    validation: Validation,
+    path: str | os.PathLike[str],
+    *,
+    params: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
 ) -> None:
     """Write scores to ``validation.json``.
 
@@ -28,7 +33,7 @@ def save_validation(
     validation
         What `softid.validate` returned.
     path
-        Target file.
+        Target file; its folder must exist.
     params
         File of the model that was scored, named in the record.
     overwrite
@@ -43,7 +48,9 @@ def save_validation(
     write_atomic(Path(path), dump_json(document), overwrite=overwrite)
 
 
-def validation_document(validation: Validation, *, params: Path | None = None) -> dict[str, Plain]:
+def validation_document(
+    validation: Validation, *, params: str | os.PathLike[str] | None = None
+) -> dict[str, Plain]:
     """The content of validation.json, as `softid/schemas/v1/validation.json` says.
 
     Parameters
@@ -55,7 +62,7 @@ def validation_document(validation: Validation, *, params: Path | None = None) -
     """
     return {
         "schema": VALIDATION_SCHEMA,
-        "params": None if params is None else str(params),
+        "params": None if params is None else os.fspath(params),
         "model": model_entry(validation.model),
         "effects": effect_entries(validation.model),
         "input": validation.input,

@@ -35,6 +35,13 @@ def test_the_schema_is_a_schema() -> None:
     Draft202012Validator.check_schema(load_schema("softid.diagnosis/1"))
 
 
+def test_a_folder_is_given_as_text_too(tmp_path: Path) -> None:
+    """As `softid.load` takes a file; the files are named below it."""
+    written = save_diagnosis(diagnosis(Verdict.UNKNOWN), str(tmp_path / "found"))
+    assert written[0] == tmp_path / "found" / "diagnosis.json"
+    assert all(path.is_file() for path in written)
+
+
 @pytest.mark.parametrize("doubt", Doubt)
 def test_every_doubt_is_written(tmp_path: Path, doubt: Doubt) -> None:
     made = diagnosis(Verdict.UNKNOWN)

@@ -239,6 +239,16 @@ def test_validation_is_valid_by_its_schema(tmp_path: Path) -> None:
     assert document["statistics"][0]["fit_percent"] == 66.0
 
 
+def test_a_place_is_given_as_text_too(tmp_path: Path) -> None:
+    """As `softid.load` takes it, and with the same content as for a path."""
+    text = str(tmp_path / "params.json")
+    save_fit(fit_result(), text)
+    assert load_params(text).values == load_params(Path(text)).values
+    scores = str(tmp_path / "validation.json")
+    save_validation(validation(), scores, params=text)
+    assert json.loads(Path(scores).read_text())["params"] == text
+
+
 def test_a_value_at_a_bound_is_within_it(tmp_path: Path) -> None:
     """exp(log b) rounds to less than b; what was found at the bound b is written as b, and read."""
     bound = next(b for b in np.linspace(12.0, 20.0, 50).tolist() if np.exp(np.log(b)) < b)
