@@ -351,6 +351,11 @@ class Log:
 class LogSet:
     """Several logs of one actuator, in the order given.
 
+    Attributes
+    ----------
+    logs
+        The logs, one at least; each has a name of its own, and all have the same roles.
+
     Raises
     ------
     UsageError

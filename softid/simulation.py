@@ -67,6 +67,16 @@ def simulate(
         A parameter is missing or unknown, or what was given is no model or no log.
     IdentificationError
         The response is not finite.
+
+    Examples
+    --------
+    >>> from softid.models import MODELS
+    >>> model = MODELS["oscillator"](order="static")  # Q x = G (u − offset)
+    >>> steps = {"pressure": [0.0, 30.0, 60.0], "angle": [0.0, 0.5, 1.0]}
+    >>> log = Log.from_arrays([0.0, 0.1, 0.2], steps)
+    >>> values = {"M": 0.0, "N": 0.0, "Q": 60.0, "G": 1.0, "offset": 0.0}
+    >>> simulate(model, values, log).outputs["angle"].tolist()
+    [0.0, 0.5, 1.0]
     """
     if not isinstance(model, Model):
         raise refused("a model", model, 'give one of softid.MODELS, as in MODELS["muscle"]()')

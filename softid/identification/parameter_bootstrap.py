@@ -75,6 +75,16 @@ def bootstrap_parameters(
 
     Source: Politis and Romano, in *Exploring the Limits of Bootstrap*, 1992 (blocks in a circle);
     Davison and Hinkley, *Bootstrap Methods and their Application*, 1997, §6.2 and §8.2.3.
+
+    Examples
+    --------
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.fit(log, model="oscillator")
+    >>> drawn = bootstrap_parameters(found, log, draws=20, workers=1)
+    >>> drawn.names, drawn.estimates.shape, drawn.failed
+    (('M', 'N', 'Q'), (20, 3), 0)
     """
     seed = require_seed(seed)
     if draws < FEWEST_DRAWS:

@@ -54,6 +54,16 @@ def profile_parameter(result: FitResult, logs: Log | Sequence[Log], name: str) -
         A log lacks a channel of the model.
     IdentificationError
         The parameter does not change the response at all.
+
+    Examples
+    --------
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.fit(log, model="oscillator")
+    >>> low, high = profile_parameter(found, log, "Q").ci95
+    >>> low < found.parameter("Q").value < high
+    True
     """
     problem, optimum = refitted(result, logs)
     parameters = problem.parameters

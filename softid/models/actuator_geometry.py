@@ -173,7 +173,7 @@ KEYS = {name.removesuffix(stem): name for name, stem in _STEMS.items()}
 
 
 def load_actuator(path: Path | str) -> Actuator:
-    """Read geometry and material from a TOML file.
+    r"""Read geometry and material from a TOML file.
 
     The tables ``[geometry]`` and ``[material]`` hold the names of `Actuator` without their units,
     and texts such as ``"20 mm"``. Geometry must be complete; a material that is missing is taken
@@ -184,10 +184,27 @@ def load_actuator(path: Path | str) -> Actuator:
     path
         The file.
 
+    Returns
+    -------
+    Actuator
+        Sizes in m and Pa, and which of them are assumed.
+
     Raises
     ------
     InputError
         The file cannot be read, a key is unknown or missing, or a value has no proper unit.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> lengths = "chamber_width='20mm'\nchamber_height='1.2 cm'\nwall='2mm'\nlayer='0.5mm'"
+    >>> more = "rib='3mm'\nchamber_length='8mm'\nchambers=10"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "actuator.toml")
+    ...     _ = file.write_text(f"[geometry]\n{lengths}\n{more}")
+    ...     found = load_actuator(file)
+    >>> found.chamber_height_m, found.chambers
+    (0.012, 10)
     """
     path = Path(path)
     return _actuator(parse_toml(read_toml_bytes(path, _KIND), _KIND, where=path.name), path.name)

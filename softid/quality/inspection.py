@@ -63,6 +63,11 @@ def inspect(log: Log) -> Inspection:
     log
         The recording.
 
+    Returns
+    -------
+    Inspection
+        Sampling, one report per channel, excitation, what can be identified, and issues.
+
     Raises
     ------
     UsageError

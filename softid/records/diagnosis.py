@@ -53,6 +53,17 @@ def save_diagnosis(
     ------
     OutputError
         A file exists and may not be replaced, or something cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.diagnose(log, model="oscillator", effects=["sensor_drift"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [file.name for file in save_diagnosis(found, pathlib.Path(folder, "out"))]
+    ['diagnosis.json', 'params.json']
     """
     documents = diagnosis_files(diagnosis)
     files = {name: dump_json(document) for name, document in documents.items()}

@@ -42,6 +42,18 @@ def save_fit(result: FitResult, path: str | os.PathLike[str], *, overwrite: bool
         The fit did not succeed, so that its values are not parameters of anything.
     OutputError
         The file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.fit(log, model="oscillator")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_fit(found, pathlib.Path(folder, "params.json"))
+    ...     [file.name for file in pathlib.Path(folder).iterdir()]
+    ['params.json']
     """
     write_atomic(Path(path), dump_json(fit_document(result)), overwrite=overwrite)
 

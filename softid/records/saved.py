@@ -129,6 +129,19 @@ def load_params(path: Path | str) -> SavedModel:
         The file cannot be read, is of another version, breaks its schema, or names a model,
         option, effect or parameter that does not exist, a value outside its bounds or a unit that
         is not the model's.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.fit(log, model="oscillator")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     softid.save_fit(found, pathlib.Path(folder, "params.json"))
+    ...     saved = load_params(pathlib.Path(folder, "params.json"))
+    >>> saved.model.name, saved.values == found.values
+    ('oscillator', True)
     """
     path = Path(path)
     document = read_document(path, schema=PARAMS_SCHEMA)

@@ -43,6 +43,19 @@ def save_validation(
     ------
     OutputError
         The file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.fit(log, model="oscillator")
+    >>> scores = softid.validate(found, log, threshold_percent=90.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_validation(scores, pathlib.Path(folder, "validation.json"))
+    ...     [file.name for file in pathlib.Path(folder).iterdir()]
+    ['validation.json']
     """
     document = validation_document(validation, params=params)
     write_atomic(Path(path), dump_json(document), overwrite=overwrite)

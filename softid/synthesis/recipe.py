@@ -205,10 +205,22 @@ def load_recipe(path: Path | str) -> Recipe:
     path
         A TOML file; its keys are the fields of `Recipe`.
 
+    Returns
+    -------
+    Recipe
+        What `synthesize` makes a log of.
+
     Raises
     ------
     InputError
         The file cannot be read, is no TOML, or a key is unknown, missing or of another type.
+
+    Examples
+    --------
+    >>> from softid.synthesis import bundled_datasets
+    >>> recipe = load_recipe(bundled_datasets() / "recipes" / "oscillator_steps.toml")
+    >>> recipe.model, recipe.seed, recipe.parameters["Q"]
+    ('oscillator', 301, 60.0)
     """
     path = Path(path)
     return parse_recipe(read_recipe_bytes(path), where=path.name)

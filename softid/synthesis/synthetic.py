@@ -101,12 +101,25 @@ def synthesize(recipe: Recipe, *, seed: int | None = None) -> SyntheticLog:
     seed
         Used in place of the recipe's.
 
+    Returns
+    -------
+    SyntheticLog
+        Recorded columns, with the parameters and the noise that made them.
+
     Raises
     ------
     InputError
         The law has no finite response, or too few rows are left.
     UsageError
         This is no recipe, such as the name of a file.
+
+    Examples
+    --------
+    >>> from softid.synthesis import bundled_datasets, load_recipe
+    >>> recipe = load_recipe(bundled_datasets() / "recipes" / "zhao_middle.toml")
+    >>> made = synthesize(recipe, seed=1)
+    >>> list(made.columns), len(made.to_log())
+    (['pressure_kpa', 'angle_rad', 'torque_nmm'], 1201)
     """
     if not isinstance(recipe, Recipe):
         raise refused("a recipe", recipe, "read one from its file with softid.load_recipe")

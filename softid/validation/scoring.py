@@ -86,6 +86,18 @@ def validate(
         The file cannot be read.
     IdentificationError
         The response is not finite on a log.
+
+    Examples
+    --------
+    >>> import softid
+    >>> from softid.synthesis import bundled_datasets
+    >>> log = softid.load(bundled_datasets() / "data" / "oscillator_steps.csv")
+    >>> found = softid.fit(log, model="oscillator")
+    >>> scores = validate(found, log, threshold_percent=90.0)
+    >>> scores.passed, round(scores.statistics[0].fit_percent)
+    (True, 99)
+    >>> [issue.code for issue in scores.issues]
+    ['in-sample']
     """
     if threshold_percent is not None:
         require_percent(threshold_percent, where="threshold_percent")

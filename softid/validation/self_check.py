@@ -114,6 +114,11 @@ def self_check(*, progress: Callable[[str, float], None] | None = None) -> SelfC
     ------
     InputError
         The bundled logs are missing or damaged.
+
+    Examples
+    --------
+    >>> self_check().passed
+    True
     """
     folder = bundled_datasets()
     groups: dict[str, list[KnownLog]] = {}
