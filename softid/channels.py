@@ -127,5 +127,5 @@ def default_outputs(
         "no output channel is recognised",
         where=where,
         value=", ".join(channels),
-        remedy="name one with --channel angle=COLUMN:UNIT or --output",
+        remedy="name one with --channel angle=COLUMN:UNIT or --output (outputs= in Python)",
     )

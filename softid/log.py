@@ -151,13 +151,13 @@ class Log:
                 raise UsageError(
                     f"the log has no channel {role}",
                     where=self.name,
-                    remedy=f"choose from {', '.join(self.channels)}, or map one with --channel",
+                    remedy=f"choose from {', '.join(self.channels)}, or add it to the channels",
                 )
         if self.input in self.outputs:
             raise UsageError(
                 f"{self.input} cannot be input and output at once",
                 where=self.name,
-                remedy="choose another --output",
+                remedy="choose another --output (outputs= in Python)",
             )
         there = np.isfinite(self.channels[self.input].values)
         if not there.all():
@@ -379,7 +379,8 @@ class LogSet:
                 raise UsageError(
                     f"{log.name} has {log.input} → {', '.join(log.outputs)}, but {first.name} has "
                     f"{first.input} → {', '.join(first.outputs)}",
-                    remedy=f"name the roles with --input and --output, or in {log.name}.toml",
+                    remedy="name the roles with --input and --output (input= and outputs= in "
+                    f"Python), or in {log.name}.toml",
                 )
 
     def __iter__(self) -> Iterator[Log]:

@@ -117,3 +117,17 @@ def test_a_set_of_logs_has_one_pair_of_roles_and_no_name_twice() -> None:
         LogSet((make_log(name="a"), make_log(name="b", outputs=["flex"])))
     with pytest.raises(UsageError, match="no log"):
         LogSet(())
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        ({"outputs": ["bend"]}, "add it to the channels"),
+        ({"outputs": ["pressure"]}, "outputs= in Python"),
+    ],
+)
+def test_a_remedy_is_one_that_python_has_too(options: dict[str, object], word: str) -> None:
+    """An option of the commands alone tells a caller of the library nothing."""
+    with pytest.raises(UsageError) as caught:
+        make_log(**options)
+    assert word in str(caught.value.remedy)

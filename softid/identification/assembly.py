@@ -82,7 +82,8 @@ def assemble(
         raise IdentificationError(
             optimum.status.value,
             where=", ".join(log.name for log in logs),
-            remedy="check the units, fix or bound a parameter, or choose another --model",
+            remedy="check the units, fix or bound a parameter, or choose another --model (model= "
+            "in Python)",
         )
     errors = errors_of(problem, optimum)
     if errors.covariance is not None:

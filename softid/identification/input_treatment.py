@@ -159,6 +159,6 @@ def _told(log: Log) -> Log:
         "info",
         f"{log.name}: {log.input} {BEHAVIOUR_WORDS[log.effective_intersample]} explains it better "
         "than taken as in the fitted logs, and is taken so",
-        "declare it with --intersample",
+        "declare it with --intersample (with_intersample of the log in Python)",
     )
     return replace(log, issues=(*log.issues, issue))

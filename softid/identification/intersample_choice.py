@@ -118,7 +118,8 @@ def with_bends_told(logs: LogSet) -> LogSet:
         "info",
         f"{first.input} swings within a few samples; smooth between them it explains the output "
         "better than as straight lines, and is taken so",
-        "record it faster, or declare it with --intersample straight",
+        "record it faster, or declare it with --intersample straight (with_intersample of the log "
+        "in Python)",
     )
     return LogSet((replace(first, issues=(*first.issues, issue)), *others))
 
@@ -140,7 +141,8 @@ def as_held(logs: Sequence[Log], intersample: Intersample) -> tuple[Log, ...]:
         "info",
         f"{first.input} {what}; held until the next sample it explains the output better than as "
         "straight lines between samples, and is taken so",
-        "if it is not a command, record it faster, or declare it with --intersample straight",
+        "if it is not a command, record it faster, or declare it with --intersample straight "
+        "(with_intersample of the log in Python)",
     )
     changed = [log.with_intersample(intersample) for log in logs]
     return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])

@@ -94,10 +94,13 @@ class _Draft:
         return float(np.sqrt(np.mean(held**2))) if held.size else float("inf")
 
 
-_OTHERS = "choose other --input and --output channels, or name a --model with its options"
+_OTHERS = (
+    "choose other --input and --output channels (input= and outputs= in Python), or name a --model "
+    "with its options"
+)
 _SEVERAL = (
-    "fit one --output at a time: several go together only where the geometry of a muscle links "
-    "them, as an angle and a length, and --model muscle then needs its options"
+    "fit one --output at a time (outputs= in Python): several go together only where the geometry "
+    "of a muscle links them, as an angle and a length, and --model muscle then needs its options"
 )
 
 
@@ -198,7 +201,7 @@ def _best(candidates: Sequence[Model], refused: Sequence[str], logs: LogSet) -> 
             "no model could be fitted",
             where=", ".join(log.place for log in logs),
             value="; ".join(untold),
-            remedy="name a --model, or record a log with more levels",
+            remedy="name a --model (model= in Python), or record a log with more levels",
         )
     return ModelChoice(
         best.model,
@@ -221,7 +224,9 @@ def _draft(model: Model, logs: LogSet) -> _Draft:
     starts = [g.values_dict() for g in guesses] or [model.parameters().values_dict()]
     optimum = draft_fit(problem, starts)
     if not np.isfinite(optimum.cost):
-        raise IdentificationError(optimum.status.value, remedy="choose another --model")
+        raise IdentificationError(
+            optimum.status.value, remedy="choose another --model (model= in Python)"
+        )
     values = dict(
         zip(problem.parameters.names, problem.theta(optimum.unknowns).tolist(), strict=True)
     )

@@ -58,7 +58,7 @@ def require_excitation(logs: LogSet) -> None:
             f"the input {log.input} is constant, so nothing can be identified",
             where=log.place,
             value=f"{channel.displayed[0]:.6g} {channel.display_unit}",
-            remedy="record a log in which it changes, or choose another --input",
+            remedy="record a log in which it changes, or choose another --input (input= in Python)",
         )
     require_outputs(logs)
 
@@ -80,14 +80,14 @@ def require_outputs(logs: Iterable[Log]) -> None:
                 raise InputError(
                     f"the output {name} has {finite.size} usable samples",
                     where=log.place,
-                    remedy="choose another --output, or record it again",
+                    remedy="choose another --output (outputs= in Python), or record it again",
                 )
             if np.ptp(finite) == 0 and _moves(log):
                 raise InputError(
                     f"the output {name} never changes although the input does",
                     where=log.place,
                     value=float(finite[0] * log.channels[name].display_factor),
-                    remedy="check the sensor, or choose another --output",
+                    remedy="check the sensor, or choose another --output (outputs= in Python)",
                 )
 
 
@@ -177,7 +177,7 @@ def require_same_units(logs: LogSet) -> None:
                 raise UsageError(
                     f"{name} is in {unit}, but in {wanted} in {first.name}",
                     where=log.place,
-                    remedy="name its unit with --channel",
+                    remedy="name its unit with --channel (units= of softid.Log.from_arrays)",
                 )
 
 
@@ -255,20 +255,21 @@ def require_channels(model: Model, logs: LogSet) -> None:
         raise UsageError(
             f"the {model.name} model is driven by {' or '.join(model.inputs)}",
             value=logs.input,
-            remedy="choose another --input or --model oscillator",
+            remedy="choose another --input or --model oscillator (input= and model= in Python)",
         )
     wrong = [name for name in logs.outputs if model.outputs and name not in model.outputs]
     if wrong:
         raise UsageError(
             f"the {model.name} model does not explain the channel {wrong[0]}",
-            remedy=f"choose an --output from {', '.join(model.outputs)}, or another --model",
+            remedy=f"choose an --output from {', '.join(model.outputs)}, or another --model "
+            "(outputs= and model= in Python)",
         )
     if len(logs.outputs) > 1 and not model.outputs:
         raise UsageError(
             f"the {model.name} model explains one output",
             value=", ".join(logs.outputs),
             remedy="fit each on its own with --output, or link them by --model muscle with "
-            "--fixed-length and --diameter",
+            "--fixed-length and --diameter (outputs= and softid.Muscle in Python)",
         )
 
 

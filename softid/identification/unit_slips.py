@@ -82,7 +82,8 @@ def unit_slips(
                     f"{log.name}: {name} is given in {recorded}, but the model explains this log "
                     f"only if it is in {unit}: it then misses {100.0 * best:.2g} % of its spread, "
                     f"and {now} as it stands",
-                    f"correct the header, or read it with --channel {name}=COLUMN:{unit}",
+                    f"correct the header, or read it with --channel {name}=COLUMN:{unit} "
+                    "(channels= of softid.load)",
                 )
             )
     return tuple(found)

@@ -217,7 +217,7 @@ def identify(
     if model is None and parameters is not None:
         raise UsageError(
             "parameters have no meaning before the model is chosen",
-            remedy="name the model with --model",
+            remedy="name the model with --model (model= in Python)",
         )
     require_same_units(LogSet((*log_set, *held)))
     require_excitation(log_set)
@@ -345,7 +345,7 @@ def _require_samples(problem: Problem, logs: LogSet, *, chosen: bool) -> None:
             f"{problem.n_samples} samples cannot tell the {problem.size} unknowns of the "
             f"{problem.model.name} model",
             where=", ".join(log.place for log in logs),
-            remedy="record longer, or name a simpler model with --model"
+            remedy="record longer, or name a simpler model with --model (model= in Python)"
             if chosen
-            else "record longer, fix parameters, or choose a simpler --model",
+            else "record longer, fix parameters, or choose a simpler --model (model= in Python)",
         )

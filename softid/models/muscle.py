@@ -28,6 +28,8 @@ Array = npt.NDArray[np.float64]
 
 _RU = "Ru et al. 2019"
 
+_LENGTHS = "--fixed-length and --diameter (fixed_length_mm= and diameter_mm= in Python)"
+
 GROWING = 0.1
 """Share that grows with the pressure of a damping that comes back: small, but enough to fit."""
 
@@ -104,7 +106,7 @@ class Muscle(Model):
             raise UsageError(
                 "the arc geometry needs both lengths",
                 value=(self.fixed_length_mm, self.diameter_mm),
-                remedy="give --fixed-length and --diameter, or neither",
+                remedy=f"give {_LENGTHS}, or neither",
             )
         _ = self.geometry
 
@@ -128,12 +130,12 @@ class Muscle(Model):
             if "distance" in wanted:
                 raise UsageError(
                     "a distance is linked to the contraction by the arc geometry",
-                    remedy="give --fixed-length and --diameter in mm",
+                    remedy=f"give {_LENGTHS} in mm",
                 )
             if "angle" in wanted and len(wanted) > 1:
                 raise UsageError(
                     "angle and length outputs are linked by the arc geometry",
-                    remedy="give --fixed-length and --diameter in mm, or fit one output",
+                    remedy=f"give {_LENGTHS} in mm, or fit one output",
                 )
         angle_is_x = self.geometry is None and wanted == ["angle"]
         against = {"length": not inverted, "distance": False}.get(wanted[0], inverted)

@@ -285,6 +285,6 @@ class Polynomial(Model):
             raise UsageError(
                 "one polynomial describes one output",
                 value=", ".join(outputs),
-                remedy="fit each output on its own with --output",
+                remedy="fit each output on its own with --output (outputs= in Python)",
             )
         return outputs[0]

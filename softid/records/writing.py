@@ -15,14 +15,14 @@ from softid.fingerprint import content_fingerprint
 from softid.interrupts import uninterrupted
 
 _REMEDIES = {
-    errno.ENOSPC: "free some space or name another folder with --out",
-    errno.EDQUOT: "free some space or name another folder with --out",
-    errno.EACCES: "name a folder with --out in which you may write",
-    errno.EPERM: "name a folder with --out in which you may write",
-    errno.EROFS: "name a folder with --out in which you may write",
-    errno.ENOENT: "make the folder first, or name another with --out",
-    errno.ENOTDIR: "name a folder with --out, not something below a file",
-    errno.ENAMETOOLONG: "choose a shorter name with --out",
+    errno.ENOSPC: "free some space or name another folder, in commands with --out",
+    errno.EDQUOT: "free some space or name another folder, in commands with --out",
+    errno.EACCES: "name a folder in which you may write, in commands with --out",
+    errno.EPERM: "name a folder in which you may write, in commands with --out",
+    errno.EROFS: "name a folder in which you may write, in commands with --out",
+    errno.ENOENT: "make the folder first, or name another, in commands with --out",
+    errno.ENOTDIR: "name a folder, not something below a file, in commands with --out",
+    errno.ENAMETOOLONG: "choose a shorter name, in commands with --out",
 }
 _NEW_FILE = 0o666  # the process' umask takes away what the user does not want to give
 
@@ -188,5 +188,5 @@ def _as_output_error(path: Path) -> Iterator[None]:
         raise OutputError(
             f"cannot be written ({reason.lower()})",
             where=str(path),
-            remedy=_REMEDIES.get(error.errno or 0, "name another place with --out"),
+            remedy=_REMEDIES.get(error.errno or 0, "name another place, in commands with --out"),
         ) from error

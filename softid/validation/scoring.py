@@ -109,7 +109,7 @@ def validate(
                 f"the model links {scored.input} → {', '.join(scored.outputs)}, the log "
                 f"{log.input} → {', '.join(log.outputs)}",
                 where=log.place,
-                remedy="choose the roles with --input and --output",
+                remedy="choose the roles with --input and --output (input= and outputs= in Python)",
             )
     taken = taken_as_fitted(given.logs, scored.treatment.intersample, scored.model, scored.values)
     log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in taken))

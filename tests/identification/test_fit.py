@@ -8,6 +8,7 @@ from pathlib import Path
 import lmfit
 import numpy as np
 import pytest
+from linear_motion import linear_log
 
 from softid.errors import IdentificationError, InputError, UsageError
 from softid.fitters import beginnings, output_error, rivals, scouting
@@ -301,3 +302,16 @@ def test_a_growing_length_is_fitted_like_the_position_it_is(tmp_path: Path) -> N
     )
     left = found.outputs["length"] - named["length"].channels["length"].values
     assert np.std(left) < 0.1 * np.std(x)
+
+
+def test_a_remedy_names_the_argument_beside_the_option() -> None:
+    """Who calls the library has no command line."""
+    log = linear_log()
+    with pytest.raises(UsageError, match=r"--model \(model= in Python\)"):
+        fit(log, parameters=lmfit.Parameters())
+    still = np.full(len(log), 20.0)
+    constant = Log.from_arrays(log.time_s, {"pressure": still, "position": log.time_s})
+    with pytest.raises(InputError, match=r"--input \(input= in Python\)"):
+        fit(constant, model="oscillator")
+    with pytest.raises(UsageError, match=r"fixed_length_mm= and diameter_mm= in Python"):
+        Muscle(fixed_length_mm=150.0)
