@@ -37,7 +37,7 @@ def first_order_log(hold_s: float, *, seed: int = 3) -> Log:
 
 
 def test_an_identified_parameter_has_the_interval_of_the_covariance() -> None:
-    # A nearly linear problem: both intervals agree to a few per cent of their width.
+    """A nearly linear problem: both intervals agree to a few per cent of their width."""
     log = first_order_log(2.0)
     result = fit(log, model="oscillator")
     estimate = result.parameter("Q")
@@ -50,8 +50,8 @@ def test_an_identified_parameter_has_the_interval_of_the_covariance() -> None:
 
 
 def test_an_unseen_saturation_is_open_on_one_side() -> None:
-    # Between 0.2 and 1 bar a curve that saturates beyond 5 bar cannot be told from one that never
-    # does: the largest contraction 1/a1 has no upper limit, so a1 has none below.
+    """Between 0.2 and 1 bar a curve that saturates beyond 5 bar cannot be told from one that never
+    does: the largest contraction 1/a1 has no upper limit, so a1 has none below."""
     rng = np.random.default_rng(8)
     time = np.arange(0.0, 20.0, 0.02)
     bar = 0.2 + 0.2 * (time // 4.0)
