@@ -38,7 +38,8 @@ def load(
         CSV or text (also gzip-compressed), MAT, NPZ or Parquet.
     channels
         Channel name → ``"COLUMN[:UNIT]"``, a column being a name or a number from 1 and a unit
-        possibly with the value of one count before it: ``{"force": "vir:35.15*N"}``.
+        possibly with the value of one count before it: ``{"force": "vir:35.15*N"}``. Where a
+        message asks for ``--channel angle=tip:deg``, this is ``{"angle": "tip:deg"}``.
     input
         Channel that drives; by default the pressure, else the commanded pressure, else a force on
         something with a position.
