@@ -56,8 +56,8 @@ class Source:
 class Log:
     """One recording.
 
-    Sampling may be irregular: no fit resamples the output. Where the clock stalls for
-    longer than `stall_s`, the log falls into segments, each with its own initial state.
+    Sampling may be irregular: a log holds what was recorded. Where the clock stalls for longer than
+    `stall_s`, the log falls into segments, each with its own initial state.
 
     Attributes
     ----------
@@ -230,20 +230,11 @@ class Log:
         outputs = {name: self.channels[name].values[span] for name in self.outputs}
         used = {name: ~self.masked[span] & np.isfinite(values) for name, values in outputs.items()}
         u = self.channels[self.input].values[span]
-        time_s, read_s = self.time_s[span], self.input_read_s
+        time_s, read_s, begins_s = self.time_s[span], self.input_read_s, float(self.time_s[0])
         if read_s is not None:
             read_s = read_s[(read_s >= time_s[0]) & (read_s <= time_s[-1])]
         return Segment(
-            self.name,
-            index,
-            start,
-            stop,
-            time_s,
-            u,
-            outputs,
-            used,
-            float(self.time_s[0]),
-            input_read_s=read_s,
+            self.name, index, start, stop, time_s, u, outputs, used, begins_s, input_read_s=read_s
         )
 
     @property
