@@ -31,11 +31,11 @@ if TYPE_CHECKING:
         load_actuator,
     )
     from softid.parameters import Parameter, ParameterSet
+    from softid.prediction import simulate
     from softid.quality import inspect
     from softid.readers import load
     from softid.records import SavedModel, load_params, save_diagnosis, save_fit, save_validation
     from softid.results import FitResult, FitStatus, Simulation, Validation
-    from softid.simulation import simulate
     from softid.synthesis import load_recipe, synthesize
     from softid.validation import self_check, validate
 
@@ -65,6 +65,7 @@ _HOME = {
     "Yeoh": "softid.models",
     "Parameter": "softid.parameters",
     "ParameterSet": "softid.parameters",
+    "simulate": "softid.prediction",
     "inspect": "softid.quality",
     "load": "softid.readers",
     "SavedModel": "softid.records",
@@ -76,7 +77,6 @@ _HOME = {
     "FitStatus": "softid.results",
     "Simulation": "softid.results",
     "Validation": "softid.results",
-    "simulate": "softid.simulation",
     "load_recipe": "softid.synthesis",
     "synthesize": "softid.synthesis",
     "self_check": "softid.validation",

@@ -195,20 +195,19 @@ class Simulation:
     ----------
     log
         Name of the log whose input was used.
-    time_s
-        Times, shape (n,).
-    input
-        Input samples, shape (n,), in ``input_unit``.
-    outputs
-        Output channel → simulated samples, sensor zero included, shape (n,), canonical unit.
-    measured
-        Output channel → measured samples; empty when there are none.
+    time_s, input
+        Times, and samples of the input in ``input_unit``, shape (n,).
+    outputs, measured
+        Output channel → samples, shape (n,), canonical unit: simulated with the sensor zero, and
+        measured, empty when there are none.
     used
         Output channel → which samples counted in the residual.
     units
         Output channel → canonical unit.
     segment_starts
         Index of each segment's first sample.
+    issues
+        What to know of a prediction by a fit, such as that it extrapolates.
     """
 
     log: str
@@ -221,6 +220,7 @@ class Simulation:
     used: Mapping[str, npt.NDArray[np.bool_]]
     units: Mapping[str, str]
     segment_starts: tuple[int, ...] = (0,)
+    issues: tuple[Issue, ...] = ()
 
     def residual(self, channel: str) -> Array:
         """Measured minus simulated, shape (n,); NaN where the sample was not used."""

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.arguments import refused, require_log
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log
 from softid.models.base import Model
@@ -42,7 +41,7 @@ def simulate(
     *,
     nuisance: LogNuisance | None = None,
 ) -> Simulation:
-    """Simulate a model on one log.
+    """Simulate a model on one log, which is taken as it is.
 
     Parameters
     ----------
@@ -64,7 +63,7 @@ def simulate(
     Raises
     ------
     UsageError
-        A parameter is missing or unknown, or what was given is no model or no log.
+        A parameter is missing or unknown.
     IdentificationError
         The response is not finite.
 
@@ -78,9 +77,6 @@ def simulate(
     >>> simulate(model, values, log).outputs["angle"].tolist()
     [0.0, 0.5, 1.0]
     """
-    if not isinstance(model, Model):
-        raise refused("a model", model, 'give one of softid.MODELS, as in MODELS["muscle"]()')
-    require_log(log)
     theta = parameter_vector(model, values)
     simulated = {name: np.full(len(log), np.nan) for name in log.outputs}
     used = {name: np.zeros(len(log), bool) for name in log.outputs}

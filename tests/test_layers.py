@@ -31,7 +31,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("simulation", "uncertainty"),
     ("fitters",),
     ("identification", "synthesis"),
-    ("validation",),
+    ("prediction", "validation"),
     ("diagnosis",),
 )
 """Modules and packages of softid, lowest first; above them come the public face and softid_cli."""
@@ -65,6 +65,7 @@ WORKFLOWS = (
     "simulation",
     "uncertainty",
     "identification",
+    "prediction",
     "validation",
     "diagnosis",
 )

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from softid.errors import InputError, Issue, SoftidError, UsageError
+from softid.fingerprint import data_fingerprint
 from softid.intersample import AVERAGED, InputNoise, Intersample, recorded_intersample
 from softid.records.agreement import require_units
 from softid.records.params import PARAMS_SCHEMA, model_fingerprint
 from softid.records.plain import record_sha256
 from softid.records.reading import read_document
-from softid.results import LogNuisance, ModelSpec, SegmentStart
+from softid.results import FitResult, LogNuisance, ModelSpec, SegmentStart
 from softid.tie_expressions import names_in_tie
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class SavedModel:
     Attributes
     ----------
     path
-        The file.
+        The file; "this fit" for one that was never written.
     model
         The model, its options and its effects.
     input, outputs
@@ -78,6 +79,46 @@ class SavedModel:
     input_noise: InputNoise | None = None
     data_fingerprints: Mapping[str, str | None] = field(default_factory=dict)
 
+    @classmethod
+    def of(cls, result: FitResult) -> SavedModel:
+        """What `save_fit` and `load_params` would make of a fit, without a file.
+
+        Parameters
+        ----------
+        result
+            A fit, whether it reached its optimum or not.
+        """
+        fitted = {row.log: row.in_sample for row in result.statistics}
+        simulated = result.simulations
+        units = {name: unit for s in simulated[:1] for name, unit in s.units.items()}
+        return cls(
+            path="this fit",
+            model=result.model,
+            input=result.input,
+            outputs=result.outputs,
+            units={s.input_name: s.input_unit for s in simulated[:1]} | units,
+            display={
+                row.channel: (row.display_unit, row.display_factor) for row in result.statistics
+            },
+            values=result.values,
+            bounds={
+                p.name: (
+                    -math.inf if p.lower is None else p.lower,
+                    math.inf if p.upper is None else p.upper,
+                )
+                for p in result.parameters
+            },
+            nuisances={nuisance.log: nuisance for nuisance in result.nuisances},
+            fitted_range=result.fitted_range,
+            fingerprints={log: sha256 or None for log, sha256 in result.fingerprints.items()},
+            fitted_logs=tuple(log for log in result.fingerprints if fitted.get(log, True)),
+            intersample=result.intersample,
+            input_noise=result.input_noise,
+            data_fingerprints={
+                s.log: data_fingerprint(s.time_s, s.measured) for s in simulated if s.measured
+            },
+        )
+
     def build_model(self) -> Model:
         """The model with its options, ready for `softid.simulate`.
 
@@ -94,12 +135,14 @@ class SavedModel:
         Parameters
         ----------
         log
-            A log that was fitted or held out, known by the fingerprint of its file, gets its own
-            back. Any other starts at rest with the mean zero of the fitted logs.
+            A log that was fitted or held out, known by the fingerprint of its file, or of its
+            samples where it was given as arrays, gets its own back. Any other starts at rest with
+            the mean zero of the fitted logs.
         """
-        sha256 = log.source.sha256 if log.source else None
-        for name, known in self.fingerprints.items():
-            if known is not None and known == sha256 and name in self.nuisances:
+        recorded = self.fingerprints if log.source else self.data_fingerprints
+        sought = self._fingerprint(log)
+        for name, known in recorded.items():
+            if known is not None and known == sought and name in self.nuisances:
                 return self.nuisances[name]
         fitted = [self.nuisances[name] for name in self.fitted_logs if name in self.nuisances]
         zero = {
@@ -107,6 +150,13 @@ class SavedModel:
             for name in self.outputs
         }
         return LogNuisance(log.name, zero, dict.fromkeys(zero), ())
+
+    def _fingerprint(self, log: Log) -> str | None:
+        """Of the file, else of what is recorded of the model's outputs."""
+        if log.source:
+            return log.source.sha256
+        there = {name: log.channels[name].values for name in self.outputs if name in log.channels}
+        return data_fingerprint(log.time_s, there)
 
 
 def load_params(path: Path | str) -> SavedModel:

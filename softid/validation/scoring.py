@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 from softid.arguments import refused, require_percent
-from softid.effects import model_of
 from softid.errors import Issue, UsageError
 from softid.fingerprint import data_fingerprint
 from softid.identification.assembly import held_out
@@ -19,34 +17,9 @@ from softid.identification.preparation import as_log_set
 from softid.identification.stalls import as_remembered
 from softid.identification.unit_slips import unit_slips
 from softid.log import Log, LogSet
-from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
 from softid.records import SavedModel, load_params
 from softid.results import FitResult, FitStatistics, Simulation, Validation
-
-
-@dataclass(frozen=True, eq=False)
-class _Scored:
-    """What validation needs of a model, wherever it comes from."""
-
-    model: Model
-    values: Mapping[str, float]
-    input: str
-    outputs: tuple[str, ...]
-    ranges: Mapping[str, tuple[float, float]]
-    fingerprints: Mapping[str, str | None]
-    data_fingerprints: Mapping[str, str | None]
-    fitted_logs: tuple[str, ...]
-    issues: tuple[Issue, ...]
-    treatment: InputTreatment
-
-    def was_fitted(self, log: Log, simulation: Simulation) -> bool:
-        """Whether a log was fitted, by the fingerprint of its file or of its samples."""
-        of_file = {self.fingerprints.get(name) for name in self.fitted_logs} - {None, ""}
-        of_data = {self.data_fingerprints.get(name) for name in self.fitted_logs} - {None}
-        return bool(log.source and log.source.sha256 in of_file) or (
-            data_fingerprint(simulation.time_s, simulation.measured) in of_data
-        )
 
 
 @matrices_on_one_thread()
@@ -102,7 +75,9 @@ def validate(
     if threshold_percent is not None:
         require_percent(threshold_percent, where="threshold_percent")
     scored = _scored(fitted)
-    given = LogSet(tuple(prepared(log, scored.treatment) for log in as_log_set(logs)))
+    model, values = scored.build_model(), scored.values
+    treatment = InputTreatment.of(scored)
+    given = LogSet(tuple(prepared(log, treatment) for log in as_log_set(logs)))
     for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(
@@ -111,11 +86,11 @@ def validate(
                 where=log.place,
                 remedy="choose the roles with --input and --output (input= and outputs= in Python)",
             )
-    taken = taken_as_fitted(given.logs, scored.treatment.intersample, scored.model, scored.values)
-    log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in taken))
-    nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
+    taken = taken_as_fitted(given.logs, treatment.intersample, model, values)
+    log_set = LogSet(tuple(as_remembered(log, model, values) for log in taken))
+    nuisances, simulations = held_out(model, values, log_set.logs)
     in_sample = [
-        scored.was_fitted(log, simulation)
+        _was_fitted(scored, log, simulation)
         for log, simulation in zip(log_set, simulations, strict=True)
     ]
     statistics = tuple(
@@ -125,7 +100,7 @@ def validate(
     )
     judged, unjudged = _judged(statistics, threshold_percent)
     return Validation(
-        model=scored.model.spec(),
+        model=model.spec(),
         input=scored.input,
         outputs=scored.outputs,
         threshold_percent=threshold_percent,
@@ -135,56 +110,32 @@ def validate(
         simulations=simulations,
         issues=(
             *scored.issues,
-            *unit_slips(scored.model, scored.values, log_set.logs),
+            *unit_slips(model, values, log_set.logs),
             *_issues(log_set.logs, scored, in_sample),
             *unjudged,
         ),
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
-        fitted_range=scored.ranges,
+        fitted_range=scored.fitted_range,
     )
 
 
-def _scored(fitted: object) -> _Scored:
+def _scored(fitted: object) -> SavedModel:
     if isinstance(fitted, FitResult):
-        return _from_fit(fitted)
+        return SavedModel.of(fitted)
     if isinstance(fitted, (str, Path)):
-        return _from_file(load_params(fitted))
+        return load_params(fitted)
     if isinstance(fitted, SavedModel):
-        return _from_file(fitted)
+        return fitted
     remedy = "give a result of softid.fit, or the params.json that save_fit wrote"
     raise refused("a fitted model", fitted, remedy)
 
 
-def _from_fit(result: FitResult) -> _Scored:
-    fitted = tuple(dict.fromkeys(row.log for row in result.statistics if row.in_sample))
-    return _Scored(
-        model=model_of(result.model),
-        values=result.values,
-        input=result.input,
-        outputs=result.outputs,
-        ranges=result.fitted_range,
-        fingerprints=dict(result.fingerprints),
-        data_fingerprints={
-            s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations
-        },
-        fitted_logs=fitted,
-        issues=(),
-        treatment=InputTreatment.of(result),
-    )
-
-
-def _from_file(saved: SavedModel) -> _Scored:
-    return _Scored(
-        model=saved.build_model(),
-        values=saved.values,
-        input=saved.input,
-        outputs=saved.outputs,
-        ranges=saved.fitted_range,
-        fingerprints=saved.fingerprints,
-        data_fingerprints=saved.data_fingerprints,
-        fitted_logs=saved.fitted_logs,
-        issues=saved.issues,
-        treatment=InputTreatment.of(saved),
+def _was_fitted(scored: SavedModel, log: Log, simulation: Simulation) -> bool:
+    """Whether a log was fitted, by the fingerprint of its file or of its samples."""
+    of_file = {scored.fingerprints.get(name) for name in scored.fitted_logs} - {None}
+    of_data = {scored.data_fingerprints.get(name) for name in scored.fitted_logs} - {None}
+    return bool(log.source and log.source.sha256 in of_file) or (
+        data_fingerprint(simulation.time_s, simulation.measured) in of_data
     )
 
 
@@ -210,7 +161,7 @@ def _judged(
     return bool(known) and min(known) >= bar, issues
 
 
-def _issues(logs: Sequence[Log], scored: _Scored, in_sample: Sequence[bool]) -> list[Issue]:
+def _issues(logs: Sequence[Log], scored: SavedModel, in_sample: Sequence[bool]) -> list[Issue]:
     found: list[Issue] = []
     for log, known in zip(logs, in_sample, strict=True):
         found += log.issues
@@ -223,7 +174,7 @@ def _issues(logs: Sequence[Log], scored: _Scored, in_sample: Sequence[bool]) -> 
                     "score a log that was not fitted",
                 )
             )
-        beyond = extrapolation(log, log.input, scored.ranges)
+        beyond = extrapolation(log, log.input, scored.fitted_range)
         if beyond is not None:
             found.append(beyond)
     return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from desk import Outcome
 from handmade import MUSCLE_VALUES, fit_result
 
+from softid.prediction import simulate as predict
 from softid.readers import load
 from softid.records import load_params, save_fit
 from softid.results import LogNuisance
@@ -99,6 +101,27 @@ def test_a_gauge_that_repeats_its_values_is_no_later(
     true, late = predicted(sine(time_s), "true"), predicted(sine(time_s - 0.04), "late")
     slow = predicted(sine(time_s[np.arange(500) // 5 * 5]), "slow")
     assert np.std((slow - true)[50:-50]) < 0.02 * np.std((late - true)[50:-50])
+
+
+@pytest.mark.parametrize("course", ["plan", "slow gauge", "held"])
+def test_python_gives_the_same_numbers(softid: Cli, tmp_path: Path, course: str) -> None:
+    """Digit for digit, and the same remarks: of pressure alone, of a gauge that repeats its values,
+    and where the fit took its input as held; from the file and from the fit itself."""
+    result = replace(fit_result(), intersample="zoh" if course == "held" else None)
+    save_fit(result, tmp_path / "params.json")
+    time_s = np.arange(300) / 50.0
+    read_s = time_s[np.arange(300) // 5 * 5] if course == "slow gauge" else time_s
+    rows = [f"{t:.2f},{45 + 45 * np.sin(3 * r):.9g}" for t, r in zip(time_s, read_s, strict=True)]
+    (tmp_path / "plan.csv").write_text("time_s,pressure_kpa\n" + "\n".join(rows) + "\n")
+    told = softid("simulate", "params.json", "--input", "plan.csv")
+    log = load(tmp_path / "plan.csv", outputs=None)
+    saved = load_params(tmp_path / "params.json")
+    for model in (saved, result):
+        found = predict(model, log)
+        shown = found.outputs["angle"] * saved.display["angle"][1]
+        np.testing.assert_array_equal(shown, table(told.out)["angle_deg"])
+        said = " ".join(f"softid: {issue.severity}: {issue.message}" for issue in found.issues)
+        assert said.split() == told.err.replace(str(tmp_path) + "/", "").split()
 
 
 def test_a_file_is_written_once(softid: Cli, params: Path, plan: Path) -> None:
