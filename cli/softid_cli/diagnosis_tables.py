@@ -40,7 +40,7 @@ def _listed(keys: Sequence[str]) -> str:
 
 def _of_descriptions(diagnosis: Diagnosis) -> str:
     """The heading of descriptions; a law or an event that is told stands before them."""
-    from softid.diagnosis.report.summary import WHAT_IT_IS
+    from softid.diagnosis.report.remarks import WHAT_IT_IS
 
     if any(issue.code in WHAT_IT_IS for issue in diagnosis.issues):
         return "A description, which explains less than what is told above:"

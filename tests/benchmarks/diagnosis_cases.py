@@ -13,7 +13,7 @@ import numpy as np
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.report.other_explanations import LAW_BESIDE, LIKE_UNLISTED_LAW
-from softid.diagnosis.report.summary import WHAT_IT_IS
+from softid.diagnosis.report.remarks import WHAT_IT_IS
 from softid.diagnosis_results import Diagnosis, Gain
 from softid.effects import EFFECTS, confusable_with
 from softid.identification import fit

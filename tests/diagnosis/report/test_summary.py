@@ -9,6 +9,7 @@ from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate,
 
 from softid.diagnosis.report.ambiguity import SPLITS, is_linear, what_next
 from softid.diagnosis.report.issues import restriction_issues
+from softid.diagnosis.report.remarks import Remarks
 from softid.diagnosis.report.rest_phrases import PREDICTORS
 from softid.diagnosis.report.summary import summarise, write_summary
 from softid.diagnosis.verdict.equivalence import PRESLIDING
@@ -17,18 +18,8 @@ from softid.effects import EFFECTS
 
 
 def told(found: Diagnosis) -> str:
-    return summarise(
-        found.verdict,
-        base=found.base,
-        causes=found.causes,
-        descriptive=found.descriptive,
-        alternatives=found.alternatives,
-        remainder=found.remainder,
-        gains=found.gains,
-        evidence=found.evidence,
-        gain_ci95=found.gain_ci95,
-        next_experiment=found.next_experiment,
-    )
+    """Its paragraph without a remark."""
+    return summarise(found, Remarks())
 
 
 @pytest.mark.parametrize("verdict", Verdict)
