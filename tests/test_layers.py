@@ -52,6 +52,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("report",),
     ("answer",),
     ("best_answer",),
+    ("completion",),
     ("workflow",),
     ("",),
 )
@@ -61,14 +62,7 @@ FAMILIES = ("models", "effects")
 SHARED = ("base", "scale", "division")
 """Modules of a family that belong to all of its variants."""
 
-WORKFLOWS = (
-    "simulation",
-    "uncertainty",
-    "identification",
-    "prediction",
-    "validation",
-    "diagnosis",
-)
+WORKFLOWS = ("simulation", "uncertainty", "identification", "prediction", "validation", "diagnosis")
 
 LONGEST_FILE = 400
 LONGEST_FUNCTION = 60

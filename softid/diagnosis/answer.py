@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,7 @@ from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.noise_model import noise_with_moments, refined_under
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import refit_without
-from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.search.order_of_size import prefix_models
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.verdict.cause_results import (
@@ -48,7 +48,7 @@ from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import asks_for_the_others, verdict_of
 from softid.diagnosis.verdict.profile_intervals import with_intervals
 from softid.diagnosis.verdict.sample_errors import held_out_at_samples, with_sample_statistics
-from softid.diagnosis_results import Cause, Diagnosis, Remainder, Variation
+from softid.diagnosis_results import Alternative, Cause, Diagnosis, Remainder, Variation
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.intersample_choice import choice_unless_held
@@ -58,6 +58,57 @@ from softid.parallel import both
 from softid.results import FitResult
 
 Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """What the numbers of an answer are computed from.
+
+    Attributes
+    ----------
+    base
+        The base fit, and what it is judged by.
+    chain
+        What a search found, its last model refined where moments of jumps are open.
+    noise
+        The noise that these make; None where none are open.
+    recorded
+        What is held out, at the samples as they were recorded.
+    line
+        A steady line in what is left.
+    remainder
+        What is left.
+    unsure, least_sd
+        Draws of what is not known of the input, and how far that moves each parameter.
+    lengths
+        Of the runs of what is held out.
+    """
+
+    base: BaseFit
+    chain: Chain
+    noise: Whitener | None
+    recorded: HeldOut
+    line: Line | None
+    remainder: Remainder
+    unsure: Array | None
+    least_sd: Mapping[str, float]
+    lengths: Sequence[int]
+
+    @classmethod
+    def of(cls, base: BaseFit, found: SearchResult) -> _Case:
+        """What a search found over a base."""
+        chain, noise = _with_open_moments(found.chain, base)
+        recorded = held_out_at_samples(base.held_out)
+        line = line_in(residual_context(chain.final))
+        remainder = with_line(found.remainder, line, base.scale.motion_s)
+        unsure, least_sd = _unsure_of(chain.final, base, remainder, noise)
+        lengths = held_out_lengths(recorded, chain.final)
+        return cls(base, chain, noise, recorded, line, remainder, unsure, least_sd, lengths=lengths)
+
+    @property
+    def final(self) -> Candidate:
+        """The model with all causes."""
+        return self.chain.final
 
 
 def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
@@ -72,64 +123,121 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     seed
         Seed of the fits, which their records keep.
     """
-    chain, noise = _with_open_moments(found.chain, base)
-    recorded = held_out_at_samples(base.held_out)
-    line = line_in(residual_context(chain.final))
-    remainder = with_line(found.remainder, line, base.scale.motion_s)
-    lengths = held_out_lengths(recorded, chain.final)
-    unsure, least_sd = _unsure_of(chain.final, base, remainder, noise)
-    extends = bool(chain.links) or base.instead_of is not None
-    before, after = both(
-        lambda: _fit_of_base(base, seed, {} if extends else least_sd),
-        lambda: _fit_of(chain.final, base.identified, seed, least_sd) if extends else None,
-    )
+    case = _Case.of(base, found)
+    before, extended = _fits_of(case, seed)
     errors, varied = both(
-        lambda: _errors_by_link(chain, base, recorded),
-        lambda: _variations(chain, base, remainder, unsure),
+        lambda: _errors_by_link(case.chain, base, case.recorded),
+        lambda: _variations(case.chain, base, case.remainder, case.unsure),
     )
-    causes = causes_of(chain, errors, after, base.scale, lengths)
-    causes = _with_errors_without(causes, chain, base, recorded, errors[-1], lengths)
-    causes = tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
-    causes = with_doubts(causes, chain, after, remainder, base)
+    causes = _doubted_causes(case, extended, errors, varied)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
-    is_named, causes = named_together(chain.links, causes, sure, chain.final.squares)
+    is_named, causes = named_together(case.chain.links, causes, sure, case.final.squares)
     forms = {
         link.added.key: told_as(link.added, cause.parameters).key
-        for link, cause in zip(chain.links, causes, strict=True)
+        for link, cause in zip(case.chain.links, causes, strict=True)
     }
-    after, causes = with_intervals(after, causes, is_named, chain, base.sigma, least_sd, noise)
-    links = with_rivals(chain, causes, list(forms.values()), is_named, base, remainder)
-    told = list(zip(causes, is_named, strict=True))
+    after, causes = with_intervals(
+        extended, causes, is_named, case.chain, base.sigma, case.least_sd, case.noise
+    )
+    links = with_rivals(case.chain, causes, [*forms.values()], is_named, base, case.remainder)
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
-    if base.instead_of is not None:
-        errors = [recorded.first_errors(base.instead_of.candidate), *errors]
-    alternatives = with_presliding(alternatives_of(named or links, forms), causes, base.scale)
-    stands = (cause.doubt in (None, *NO_GAIN) for cause in causes)  # but for what is held out
-    is_sure = all(stands) and not alternatives
+    ties = with_presliding(alternatives_of(named or links, forms), causes, base.scale)
+    told = list(zip(causes, is_named, strict=True))
     answer = Diagnosis(
-        verdict=verdict_of(links, is_named, remainder, causes),
+        verdict=verdict_of(links, is_named, case.remainder, causes),
         summary="",
         base=before,
         extended=after,
         causes=tuple(cause for cause, stays in told if stays),
         descriptive=tuple(cause for cause, stays in told if not stays),
-        alternatives=alternatives,
-        remainder=remainder,
-        gains=gains_of(base.asked_for.candidate, chain.final, recorded, before),
-        evidence=evidence_of(chain),
+        alternatives=ties,
+        remainder=case.remainder,
+        gains=gains_of(base.asked_for.candidate, case.final, case.recorded, before),
+        evidence=evidence_of(case.chain),
         next_experiment=None,
-        issues=(
-            *(after if after is not None and named else before).issues,
-            *unsure_input_issues(after or before, least_sd),
-            *_issues_of_rest(base, chain, before, line),
-            *_issues_of_held_out(base, chain, remainder, is_sure=is_sure),
+        issues=_issues_of(
+            case, before, after, is_named=any(is_named), is_sure=_is_sure(causes, ties)
         ),
-        gain_ci95=whole_gain_of(errors, lengths),
+        gain_ci95=_whole_gain(case, errors),
     )
-    answer = with_tied_values(answer, named, len(chain.final.effects))
-    answer = with_other_forms(answer, named, chain.final, base)
-    answer = with_several_elements(answer, named, chain.final, base)
-    return with_open_intersample(answer, chain.final, base)
+    for step in STEPS:
+        answer = step(answer, named, case)
+    return answer
+
+
+def _fits_of(case: _Case, seed: int) -> tuple[FitResult, FitResult | None]:
+    """The base that was asked for, and the model that extends it; None where nothing does."""
+    base, final, least_sd = case.base, case.final, case.least_sd
+    extends = bool(case.chain.links) or base.instead_of is not None
+    return both(
+        lambda: _fit_of_base(base, seed, {} if extends else least_sd),
+        lambda: _fit_of(final, base.identified, seed, least_sd) if extends else None,
+    )
+
+
+def _doubted_causes(
+    case: _Case,
+    extended: FitResult | None,
+    errors: Sequence[Array],
+    varied: Sequence[Variation | None],
+) -> tuple[Cause, ...]:
+    """The causes in numbers, with what these say against their names.
+
+    Doubts come last, for they go by all other numbers.
+    """
+    measured = causes_of(case.chain, errors, extended, case.base.scale, case.lengths)
+    beside = _with_errors_without(
+        measured, case.chain, case.base, case.recorded, errors[-1], case.lengths
+    )
+    varying = [replace(c, variation=v) for c, v in zip(beside, varied, strict=True)]
+    return with_doubts(varying, case.chain, extended, case.remainder, case.base)
+
+
+def _is_sure(causes: Sequence[Cause], ties: Sequence[Alternative]) -> bool:
+    """Whether nothing speaks against the causes, but for what is held out."""
+    return not ties and all(cause.doubt in (None, *NO_GAIN) for cause in causes)
+
+
+def _issues_of(
+    case: _Case, before: FitResult, after: FitResult | None, *, is_named: bool, is_sure: bool
+) -> tuple[Issue, ...]:
+    """Remarks on the fit that is believed, on what is left, and on what is held out."""
+    believed = after if after is not None and is_named else before
+    return (
+        *believed.issues,
+        *unsure_input_issues(after or before, case.least_sd),
+        *_issues_of_rest(case, before),
+        *_issues_of_held_out(case, is_sure=is_sure),
+    )
+
+
+def _whole_gain(case: _Case, errors: Sequence[Array]) -> tuple[float, float] | None:
+    """What is gained over the model that was asked for."""
+    replaced = case.base.instead_of
+    first = [] if replaced is None else [case.recorded.first_errors(replaced.candidate)]
+    return whole_gain_of([*first, *errors], case.lengths)
+
+
+def _tied_values(answer: Diagnosis, named: Sequence[Link], case: _Case) -> Diagnosis:
+    return with_tied_values(answer, named, len(case.final.effects))
+
+
+def _other_forms(answer: Diagnosis, named: Sequence[Link], case: _Case) -> Diagnosis:
+    return with_other_forms(answer, named, case.final, case.base)
+
+
+def _several_elements(answer: Diagnosis, named: Sequence[Link], case: _Case) -> Diagnosis:
+    return with_several_elements(answer, named, case.final, case.base)
+
+
+def _open_intersample(answer: Diagnosis, named: Sequence[Link], case: _Case) -> Diagnosis:
+    return with_open_intersample(answer, case.final, case.base)
+
+
+STEPS = (_tied_values, _other_forms, _several_elements, _open_intersample)
+"""What is added to the numbers, in this order: a parameter keeps the first reason why it is less
+sure than its interval says, and that is another cause, then another form of one, and last what the
+input does between its samples. A second element is told behind the forms of the first."""
 
 
 def _with_open_moments(chain: Chain, base: BaseFit) -> tuple[Chain, Whitener | None]:
@@ -153,17 +261,16 @@ def _unsure_of(
     return unsure, moved_parameters(final, unsure, remainder.noise_power, noise)
 
 
-def _issues_of_rest(
-    base: BaseFit, chain: Chain, fit: FitResult, line: Line | None
-) -> tuple[Issue, ...]:
+def _issues_of_rest(case: _Case, fit: FitResult) -> tuple[Issue, ...]:
     """That a reduced base is extended, and disturbances in what is left."""
+    base, final = case.base, case.final
     row = next(r for r in fit.statistics if r.channel == fit.outputs[0])
     return (
         *reduced_base_issues(base, unit=row.display_unit, factor=row.display_factor),
         *disturbance_issues(
-            heard(chain.final, residual_context(chain.final)),
+            heard(final, residual_context(final)),
             base.scale.motion_s,
-            line,
+            case.line,
             channel=row.channel,
             unit=row.display_unit,
             factor=row.display_factor,
@@ -171,14 +278,11 @@ def _issues_of_rest(
     )
 
 
-def _issues_of_held_out(
-    base: BaseFit, chain: Chain, remainder: Remainder, *, is_sure: bool
-) -> tuple[Issue, ...]:
+def _issues_of_held_out(case: _Case, *, is_sure: bool) -> tuple[Issue, ...]:
     """What the held-out samples refuse, and what is another in them."""
-    final, held_out = chain.final, base.held_out
     return (
-        *refusal_issues(chain, held_out),
-        *held_out_change_issues(final, remainder, base, is_sure=is_sure),
+        *refusal_issues(case.chain, case.base.held_out),
+        *held_out_change_issues(case.final, case.remainder, case.base, is_sure=is_sure),
     )
 
 

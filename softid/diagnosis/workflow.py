@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -29,41 +28,12 @@ from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.base.spikes import without_spikes
 from softid.diagnosis.best_answer import best_answer
 from softid.diagnosis.cause_search import CauseSearch
+from softid.diagnosis.completion import Circumstances, completed
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.moving_start import without_moving_start
-from softid.diagnosis.logs.permanent_set import permanent_set_issues
-from softid.diagnosis.plainer_model import plainer_model_issues
 from softid.diagnosis.refit.characteristic_scales import fastest_time
-from softid.diagnosis.report.clipped_input import with_clipped_input
-from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
-from softid.diagnosis.report.held_excitation import held_experiments, with_advice_lacking
-from softid.diagnosis.report.issues import (
-    averaging_issues,
-    input_noise_issues,
-    jump_issues,
-    negligible_issues,
-    restriction_issues,
-)
-from softid.diagnosis.report.joint_causes import (
-    joint_cause_issues,
-    with_open_places,
-    with_shared_scale,
-)
-from softid.diagnosis.report.motion_shown import motion_shown_issues
-from softid.diagnosis.report.no_response import with_no_response
-from softid.diagnosis.report.other_explanations import (
-    OtherExplanations,
-    with_event_beside,
-    with_law_beside,
-    with_other_explanations,
-)
-from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit, with_varying_sizes
-from softid.diagnosis.report.readings import reading_issues
-from softid.diagnosis.report.rounding import with_rounding
-from softid.diagnosis.report.second_input import with_second_input
-from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.report.other_explanations import OtherExplanations
 from softid.diagnosis.residual.motion import mean_square, residual_context
-from softid.diagnosis.verdict.sample_errors import with_sample_remainder
 from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
 from softid.errors import InputError
@@ -76,12 +46,10 @@ from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
 from softid.identification.stalls import across_stalls
 from softid.identification.unit_slips import unit_slips
-from softid.intersample import AVERAGED
 from softid.log import Log, LogSet
 from softid.models.base import Model
-from softid.parallel import both, in_step, is_copy, matrices_on_one_thread
+from softid.parallel import in_step, is_copy, matrices_on_one_thread
 from softid.parameters import ParameterSet
-from softid.results import FitResult
 
 if TYPE_CHECKING:
     import lmfit
@@ -146,13 +114,14 @@ def diagnose(
     >>> found.verdict.value, [cause.effect for cause in found.causes]
     ('named', ['sensor_drift'])
     """
-    report, seed = _rising(progress), require_seed(seed)
+    report = _rising(progress)
+    seed = require_seed(seed)
     considered = effects_of(require_names(effects, where="effects"))
     recorded = as_log_set(logs)
     is_in_doubt = is_open(recorded)
-    recordings = _recordings(recorded, as_logs(hold_out))
-    require_enough(recordings.logs, recordings.hold_out)
-    require_moving(recordings.logs, recordings.hold_out)
+    cleaned = _cleaned(recorded, as_logs(hold_out))
+    require_enough(cleaned.logs, cleaned.hold_out)
+    require_moving(cleaned.logs, cleaned.hold_out)
     require_driven(recorded)
     request = Request(
         model,
@@ -163,68 +132,42 @@ def diagnose(
         gauges={log.name: gauge_errors(log) for log in (*as_logs(hold_out), *recorded)},
         is_intersample_open=is_in_doubt,
     )
-    whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
+    recordings, chosen, averaged = _prepared(cleaned, request)
     if is_in_doubt:
-        recordings, base = with_judged_intersample(recordings, request, base)
-    request, base = reduced_if_better(recordings, request, base)
-    search, chosen = CauseSearch(base, considered, seed, report), base
+        recordings, chosen = with_judged_intersample(recordings, request, chosen)
+    request, chosen = reduced_if_better(recordings, request, chosen)
+    search = CauseSearch(chosen, considered, seed, report)
     others = OtherExplanations()
     answer, base, final = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
-    answer = with_other_explanations(answer, base, others)
-    answer = with_second_input(answer, base, recorded.logs, seed)
-    answer = with_law_beside(with_event_beside(answer, base, final), base, final, search.effects)
-    answer = with_clipped_input(answer, recorded.logs)
-    if count == 1:  # the mean of several samples lies between the steps
-        rounded = with_rounding(answer, recorded, base.candidate)
-        answer = with_coarse_sampling(rounded, base.candidate)
-    unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
-    answer = with_open_places(with_shared_scale(answer, linear_in=unit))
-    answer = with_no_response(with_unnamed_misfit(with_varying_sizes(answer)), final)
-    has_spring = base.candidate.has_spring
-    sets, motions = both(
-        lambda: permanent_set_issues(whole, base.scale.motion_s) if has_spring else (),
-        lambda: motion_shown_issues(base, answer),
+    case = Circumstances(
+        recorded=recorded,
+        cleaned=cleaned.logs,
+        averaged=averaged,
+        request=request,
+        asked_for=effects,
+        effects=search.effects,
+        chosen=chosen,
+        base=base,
+        final=final,
+        others=others,
     )
-    issues = (
-        *negligible_issues(base),
-        *plainer_model_issues(chosen, base),
-        *restriction_issues(effects),
-        *averaging_issues(count),
-        *sets,
-        *motions,
-        *jump_issues(answer.remainder, base.candidate.problem),
-        *input_noise_issues(answer.remainder, base.candidate.problem, request.gauges),
-        *joint_cause_issues(answer),
-        *reading_issues(answer),
-    )
-    answer = replace(
-        answer,
-        base=_with_input_treatment(answer.base),
-        extended=answer.extended and _with_input_treatment(answer.extended),
-        issues=(*answer.issues, *issues),
-    )
-    return _in_words(answer, recorded, count)
+    return completed(answer, case)
 
 
-def _recordings(recorded: LogSet, held: tuple[Log, ...]) -> Recordings:
-    """The cleaned logs, with what their input does between samples where it is measured."""
-    recordings = Recordings(recorded, held).each(_cleaned)
+def _cleaned(recorded: LogSet, hold_out: tuple[Log, ...]) -> Recordings:
+    """The logs as they are fitted, averaged and judged by: a drop-out must be in none of the three.
+
+    A measured input is taken to do between its samples what it usually does.
+    """
+    cleaned = Recordings(recorded, hold_out).each(_without_faults)
     if not is_measured(recorded):
-        return recordings
+        return cleaned
     usual = choice_unless_held(recorded)
-    return recordings.each(lambda log: log.with_intersample(usual))
+    return cleaned.each(lambda log: log.with_intersample(usual))
 
 
-def _in_words(answer: Diagnosis, recorded: LogSet, count: int) -> Diagnosis:
-    """The diagnosis with its paragraph, told per sample of the logs, and advice that they lack."""
-    whole = with_sample_remainder(answer) if count > 1 else answer
-    held = held_experiments(recorded)
-    return write_summary(replace(whole, issues=with_advice_lacking(whole.issues, held)), held)
-
-
-def _with_input_treatment(fit: FitResult) -> FitResult:
-    """The fit whose record says how its input was taken, for those who take the model elsewhere."""
-    return replace(fit, input_noise=AVERAGED)
+def _without_faults(log: Log) -> Log:
+    return at_readings(without_dropouts(without_input_noise(without_repeats(log))))
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:
@@ -294,8 +237,3 @@ def _rising(progress: Progress | None) -> Progress:
             progress(message, most)
 
     return report
-
-
-def _cleaned(log: Log) -> Log:
-    """The log as it is fitted, averaged and judged by: a drop-out must be in none of the three."""
-    return at_readings(without_dropouts(without_input_noise(without_repeats(log))))
