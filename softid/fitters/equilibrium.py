@@ -117,7 +117,7 @@ def by_hand(log: Log, *, model: Equilibrium | None = None, output: str = "angle"
         )
     rest = _rest(segment, output)
     theta = chosen.parameters().with_fixed({"a": 0.0, "b": 0.0, "c": 1.0}).values_vector()
-    critical = _critical_damping(chosen, theta, segment)
+    critical = _critical_damping(chosen, theta, segment, where=log.name)
 
     def run(at: Array) -> Swings:
         simulated = _simulated(chosen, at, segment, output)
@@ -211,14 +211,16 @@ def _best_mass(run: Callable[[Array], Swings], damped: Array, period_s: float, w
     return float(np.exp(np.interp(period_s, rising, np.log(masses))))
 
 
-def _critical_damping(model: Equilibrium, theta: Array, segment: Segment) -> float:
+def _critical_damping(model: Equilibrium, theta: Array, segment: Segment, *, where: str) -> float:
     values = dict(zip(NAMES, _moved(theta, "C_d", 1.0).tolist(), strict=True))
     level = float(segment.input[-1])
-    ratio = next(
-        value
-        for name, (value, _) in model.derived(values, (level, level)).items()
-        if name.startswith("damping_ratio")
-    )
+    ratio = model.speeds(values, level).damping_ratio
+    if ratio is None:
+        raise IdentificationError(
+            f"the model has no rest at {level:.4g} kPa",
+            where=where,
+            remedy="check the geometry, or fit by output error",
+        )
     return 1.0 / ratio
 
 

@@ -278,11 +278,9 @@ def _rings(problem: Problem, z: Array) -> bool:
     values = problem.values(z)
     low = min(float(s.input.min()) for s in problem.segments)
     high = max(float(s.input.max()) for s in problem.segments)
-    for level in np.linspace(low, high, DAMPING_LEVELS).tolist():
-        for name, (value, _) in problem.model.derived(values, (level, level)).items():
-            if name.startswith("damping_ratio") and value < 1.0:
-                return True
-    return False
+    levels = np.linspace(low, high, DAMPING_LEVELS).tolist()
+    ratios = (problem.model.speeds(values, level).damping_ratio for level in levels)
+    return any(ratio is not None and ratio < 1.0 for ratio in ratios)
 
 
 def swings(problem: Problem, z: Array) -> bool:

@@ -188,12 +188,9 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
         return False
     values = whole.values(z)
     shortest_s = min(float(s.time_s[-1] - s.time_s[0]) for s in windows.segments)
-    times_s = [
-        value
-        for level in np.linspace(low, high, TIME_LEVELS).tolist()
-        for name, (value, _) in whole.model.derived(values, (level, level)).items()
-        if name.startswith("time_constant")
-    ]
+    levels = np.linspace(low, high, TIME_LEVELS).tolist()
+    settling = (whole.model.speeds(values, level).time_constant_s for level in levels)
+    times_s = [time_s for time_s in settling if time_s is not None]
     return bool(times_s) and LASTING * max(times_s) <= shortest_s
 
 

@@ -80,12 +80,11 @@ def _aliased(
         return None
     slowest_hz = float("inf")
     for level in np.linspace(*input_range, SWING_LEVELS).tolist():
-        derived = model.derived(values, (level, level))
-        swing = _one(derived, "natural_frequency")
-        ratio = _one(derived, "damping_ratio")
-        if swing is None or ratio is None or ratio >= 1.0:
+        found = model.speeds(values, level)
+        swing_hz, ratio = found.natural_frequency_hz, found.damping_ratio
+        if swing_hz is None or ratio is None or ratio >= 1.0:
             return None
-        slowest_hz = min(slowest_hz, swing)
+        slowest_hz = min(slowest_hz, swing_hz)
     shown_hz = 0.5 / period_s
     if slowest_hz <= shown_hz:
         return None
@@ -99,8 +98,3 @@ def _with_options(spec: ModelSpec, **options: str) -> Model:
     from softid.effects import model_of  # twenty modules, which few fits need
 
     return model_of(replace(spec, options=dict(spec.options) | options))
-
-
-def _one(derived: Mapping[str, tuple[float, str]], name: str) -> float | None:
-    found = [value for key, (value, _) in derived.items() if key.startswith(name)]
-    return found[0] if found else None

@@ -10,11 +10,12 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.errors import Issue, UsageError
+from softid.errors import Issue
 from softid.models.division import Division
 from softid.models.option_kinds import require_kinds
 from softid.models.products import Keep, Products
 from softid.models.second_order import Law
+from softid.models.time_scales import Speeds
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 from softid.segment import Segment
@@ -85,23 +86,6 @@ class MotionTerm:
         for by in (found.by_parameter or {}).values():
             by[:, at] = time_s
         return replace(found, outputs=values)
-
-
-def require_choice(option: str, value: object, choices: Sequence[str]) -> None:
-    """Refuse a model option that is not one of its choices.
-
-    Raises
-    ------
-    UsageError
-        The value is none of them.
-    """
-    if value not in choices:
-        raise UsageError(
-            f"the model has no such {option}",
-            where=f"option {option}",
-            value=value,
-            remedy=f"choose from {', '.join(choices)}",
-        )
 
 
 @dataclass(frozen=True)
@@ -359,6 +343,19 @@ class Model(ABC):
         """
         del values, input_range
         return {}
+
+    def speeds(self, values: Mapping[str, float], u: float) -> Speeds:
+        """How fast the motion is at one input; nothing of a model that has none.
+
+        Parameters
+        ----------
+        values
+            Parameter name → value.
+        u
+            The input.
+        """
+        del values, u
+        return Speeds()
 
     def limit(
         self, theta: Array, period_s: float, input_range: tuple[float, float]

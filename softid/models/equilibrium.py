@@ -22,11 +22,13 @@ from softid.kernels.bending import (
 )
 from softid.kernels.bending_body import LARGEST_ANGLE_RAD, MOST_STRETCH, Body
 from softid.models.actuator_geometry import Actuator
-from softid.models.base import Model, MotionTerm, Response, require_choice
+from softid.models.base import Model, MotionTerm, Response
 from softid.models.bending_inertia import INERTIAS, KERNELS, Inertia, Kernels
 from softid.models.division import Division, held
 from softid.models.equilibrium_cautions import cautions_of
 from softid.models.equilibrium_starts import equilibrium_starts
+from softid.models.option_kinds import require_choice
+from softid.models.time_scales import Speeds
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment
 
@@ -315,19 +317,24 @@ class Equilibrium(Actuator, Model):
         self, values: Mapping[str, float], input_range: tuple[float, float]
     ) -> dict[str, tuple[float, str]]:
         """Rest angle, natural frequency and damping ratio at the largest fitted pressure."""
-        body = _body(self)
-        theta = np.array([values[name] for name in NAMES])
         level = max(input_range, key=abs)
-        angle = rest_angle(level, theta, body)
+        angle = rest_angle(level, np.array([values[name] for name in NAMES]), _body(self))
         if not np.isfinite(angle):
             return {}
-        swing, fading = fastest_rates(np.array([angle]), theta, body)
         at = f"_at_{level:.0f}_kPa"
-        found = {f"rest_angle{at}": (float(angle), "rad")}
-        if swing > 0:
-            found[f"natural_frequency{at}"] = (float(swing) / (2.0 * np.pi), "Hz")
-            found[f"damping_ratio{at}"] = (float(fading / (2.0 * swing)), "1")
-        return found
+        return {f"rest_angle{at}": (float(angle), "rad")} | self.speeds(values, level).named(at)
+
+    def speeds(self, values: Mapping[str, float], u: float) -> Speeds:
+        """Natural frequency and damping ratio at the angle where a pressure lets it rest."""
+        theta, body = np.array([values[name] for name in NAMES]), _body(self)
+        angle = rest_angle(u, theta, body)
+        if not np.isfinite(angle):
+            return Speeds()
+        swing, fading = fastest_rates(np.array([angle]), theta, body)
+        if not swing > 0:
+            return Speeds()
+        hz, ratio = float(swing) / (2.0 * np.pi), float(fading / (2.0 * swing))
+        return Speeds(natural_frequency_hz=hz, damping_ratio=ratio)
 
     def cautions(
         self, values: Mapping[str, float], known: Sequence[str], covariance: Array | None

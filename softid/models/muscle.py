@@ -11,16 +11,17 @@ import numpy.typing as npt
 
 from softid.errors import UsageError
 from softid.kernels.muscle import KPA_PER_BAR
-from softid.models.base import Model, Response, require_choice
+from softid.models.base import Model, Response
 from softid.models.division import Division, divide_segment
 from softid.models.geometry import ArcGeometry
 from softid.models.muscle_law import NAMES, MuscleLaw
+from softid.models.option_kinds import require_choice
 from softid.models.products import Keep, Products
 from softid.models.ringing import ringing_starts
 from softid.models.second_order import ORDERS, Order, simulate_law
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
 from softid.models.summed_products import sum_law
-from softid.models.time_scales import faded, speeds
+from softid.models.time_scales import Speeds, faded, speeds_of
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment
 
@@ -352,8 +353,12 @@ class Muscle(Model):
             "x_at_zero_pressure": (1.0 / (a1 + c1), self.x_unit),
             "midpoint_pressure": (float(np.log(c1 / a1) / b1) * KPA_PER_BAR, "kPa"),
         }
-        law = MuscleLaw(np.array([values[name] for name in NAMES]))
-        return found | speeds(law, 0.5 * (input_range[0] + input_range[1]), "kPa")
+        centre_kpa = 0.5 * (input_range[0] + input_range[1])
+        return found | self.speeds(values, centre_kpa).named(f"_at_{centre_kpa:.0f}_kPa")
+
+    def speeds(self, values: Mapping[str, float], u: float) -> Speeds:
+        """Time constant, natural frequency and damping ratio at a pressure."""
+        return speeds_of(MuscleLaw(np.array([values[name] for name in NAMES])), u)
 
     def limit(
         self, theta: Array, period_s: float, input_range: tuple[float, float]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from numbers import Real
@@ -103,3 +103,20 @@ def _is_number(value: object, kind: OptionKind) -> bool:
         return False
     number = float(value)
     return number.is_integer() if kind == "whole number" else abs(number) < math.inf
+
+
+def require_choice(option: str, value: object, choices: Sequence[str]) -> None:
+    """Refuse a model option that is not one of its choices.
+
+    Raises
+    ------
+    UsageError
+        The value is none of them.
+    """
+    if value not in choices:
+        raise UsageError(
+            f"the model has no such {option}",
+            where=f"option {option}",
+            value=value,
+            remedy=f"choose from {', '.join(choices)}",
+        )

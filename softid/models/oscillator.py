@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.affine_blocks import OSCILLATOR
-from softid.models.base import Model, Response, require_choice
+from softid.models.base import Model, Response
 from softid.models.division import Division, divide_segment
+from softid.models.option_kinds import require_choice
 from softid.models.products import Keep, Products
 from softid.models.second_order import (
     ORDERS,
@@ -22,7 +23,7 @@ from softid.models.second_order import (
     simulate_law,
 )
 from softid.models.summed_products import sum_law
-from softid.models.time_scales import faded, speeds
+from softid.models.time_scales import Speeds, faded, speeds_of
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment
@@ -292,8 +293,11 @@ class Oscillator(Model):
         if values["Q"] <= 0:
             return {}
         gain = values["G"] / values["Q"], f"{self.x_unit}/{self.u_unit}"
-        law = OscillatorLaw(np.array([values[name] for name in NAMES]))
-        return {"static_gain": gain} | speeds(law, input_range[0])
+        return {"static_gain": gain} | self.speeds(values, input_range[0]).named()
+
+    def speeds(self, values: Mapping[str, float], u: float) -> Speeds:
+        """Time constant, natural frequency and damping ratio, the same at any input."""
+        return speeds_of(OscillatorLaw(np.array([values[name] for name in NAMES])), u)
 
     def limit(
         self, theta: Array, period_s: float, input_range: tuple[float, float]

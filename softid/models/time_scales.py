@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,8 +15,42 @@ UNSEEN_PERIODS = 0.1
 """A mode that dies out within a tenth of the sampling interval cannot be seen in the samples."""
 
 
-def speeds(law: Law, u: float, u_unit: str | None = None) -> dict[str, tuple[float, str]]:
-    """Time constant N/Q, natural frequency √(Q/M)/2π and damping ratio N/2√(QM) at one input.
+@dataclass(frozen=True)
+class Speeds:
+    """How fast a motion M·ẍ + N·ẋ + Q·x is at one input; None of what it does not have.
+
+    Attributes
+    ----------
+    time_constant_s
+        N/Q.
+    natural_frequency_hz
+        √(Q/M)/2π.
+    damping_ratio
+        N/2√(QM); below one the motion rings.
+    """
+
+    time_constant_s: float | None = None
+    natural_frequency_hz: float | None = None
+    damping_ratio: float | None = None
+
+    def named(self, at: str = "") -> dict[str, tuple[float, str]]:
+        """Name → (value, unit) of what there is.
+
+        Parameters
+        ----------
+        at
+            End of the names, which says at which input.
+        """
+        rows = (
+            ("time_constant", self.time_constant_s, "s"),
+            ("natural_frequency", self.natural_frequency_hz, "Hz"),
+            ("damping_ratio", self.damping_ratio, "1"),
+        )
+        return {f"{name}{at}": (value, unit) for name, value, unit in rows if value is not None}
+
+
+def speeds_of(law: Law, u: float) -> Speeds:
+    """Those of a law of second order; of a law without a spring there are none.
 
     Parameters
     ----------
@@ -22,18 +58,18 @@ def speeds(law: Law, u: float, u_unit: str | None = None) -> dict[str, tuple[flo
         The coefficients.
     u
         The input.
-    u_unit
-        Its unit, to name the place; None when the coefficients are the same everywhere.
     """
     damping, stiffness, _ = (float(c[0]) for c in law.coefficients(np.array([u])))
-    at = f"_at_{u:.0f}_{u_unit}" if u_unit else ""
-    found: dict[str, tuple[float, str]] = {}
-    if damping > 0:
-        found[f"time_constant{at}"] = (damping / stiffness, "s")
-    if law.mass > 0:
-        found[f"natural_frequency{at}"] = (float(np.sqrt(stiffness / law.mass)) / (2 * np.pi), "Hz")
-        found[f"damping_ratio{at}"] = (damping / (2.0 * float(np.sqrt(stiffness * law.mass))), "1")
-    return found
+    if stiffness <= 0:
+        return Speeds()
+    settling_s = damping / stiffness if damping > 0 else None
+    if not law.mass > 0:
+        return Speeds(settling_s)
+    return Speeds(
+        settling_s,
+        float(np.sqrt(stiffness / law.mass)) / (2 * np.pi),
+        damping / (2.0 * float(np.sqrt(stiffness * law.mass))),
+    )
 
 
 def faded(law: Law, order: Order, period_s: float, inputs: Array) -> tuple[Order, str] | None:

@@ -95,9 +95,8 @@ def damping_trials(subject: Subject) -> tuple[Trial, ...]:
     """Without damping, with a quarter of the fitted, overdamped and fitted; DEE 2022, Figure 5."""
     fitted = subject.values["C_d"]
     level = float(subject.segment.input[np.argmax(np.abs(subject.segment.input))])
-    derived = subject.model.derived(subject.values, (level, level))
-    ratio = next((v for k, (v, _) in derived.items() if k.startswith("damping_ratio")), 1.0)
-    large = fitted * max(OVERDAMPED / ratio, 4.0)
+    ratio = subject.model.speeds(subject.values, level).damping_ratio
+    large = fitted * max(OVERDAMPED / (1.0 if ratio is None else ratio), 4.0)
     changes = (
         ("no damping", 0.0),
         (f"C_d too small: {TOO_SMALL * fitted:.2g} N·m·s/rad", TOO_SMALL * fitted),

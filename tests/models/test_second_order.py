@@ -12,11 +12,13 @@ from softid.kernels.step_counts import MAX_SUBSTEPS
 from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import divide
+from softid.models.equilibrium import Equilibrium
 from softid.models.muscle import Muscle
 from softid.models.muscle_law import MuscleLaw
 from softid.models.oscillator import Oscillator, OscillatorLaw
+from softid.models.polynomial import Polynomial
 from softid.models.second_order import simulate_law
-from softid.models.time_scales import faded, speeds
+from softid.models.time_scales import Speeds, faded, speeds_of
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -193,10 +195,45 @@ def test_a_plan_survives_absurd_parameters() -> None:
 
 def test_speeds_of_known_coefficients() -> None:
     """N/Q, √(Q/M)/2π and N/(2√(QM)) for M = 2, N = 4, Q = 8: 0.5 s, 1/π Hz and 0.5."""
-    found = speeds(OscillatorLaw(np.array([2.0, 4.0, 8.0, 1.0, 0.0])), 0.0)
-    assert found["time_constant"] == (0.5, "s")
-    assert found["natural_frequency"][0] == pytest.approx(1 / np.pi, rel=1e-12)
-    assert found["damping_ratio"][0] == pytest.approx(0.5, rel=1e-12)
+    found = speeds_of(OscillatorLaw(np.array([2.0, 4.0, 8.0, 1.0, 0.0])), 0.0)
+    assert found.time_constant_s == 0.5
+    assert found.natural_frequency_hz == pytest.approx(1 / np.pi, rel=1e-12)
+    assert found.damping_ratio == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("mass", "damping", "spring", "there"),
+    [
+        (0.0, 4.0, 8.0, ["time_constant"]),
+        (2.0, 0.0, 8.0, ["natural_frequency", "damping_ratio"]),
+        (2.0, 4.0, 0.0, []),
+    ],
+    ids=["no inertia", "no damping", "no spring"],
+)
+def test_speeds_that_a_motion_does_not_have(
+    mass: float, damping: float, spring: float, there: list[str]
+) -> None:
+    """Without inertia nothing rings, without damping nothing settles, without a spring nothing
+    comes back."""
+    found = speeds_of(OscillatorLaw(np.array([mass, damping, spring, 1.0, 0.0])), 0.0)
+    assert list(found.named()) == there
+
+
+@pytest.mark.parametrize("model", [Muscle(), Oscillator(), Equilibrium()], ids=lambda m: m.name)
+def test_speeds_are_the_derived_quantities(model: Model) -> None:
+    """What people read is what the library goes by, at the input that the name says."""
+    p = model.parameters()
+    values = dict(zip(p.names, p.values_vector().tolist(), strict=True))
+    own = model.speeds(values, 100.0)
+    assert own != Speeds()
+    told = model.derived(values, (100.0, 100.0))
+    for name, row in own.named().items():
+        assert [value for key, value in told.items() if key.startswith(name)] == [row]
+
+
+def test_a_static_model_has_no_speeds() -> None:
+    """A polynomial does not move."""
+    assert Polynomial().speeds({}, 10.0) == Speeds()
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.models.base import Model, MotionTerm, Response
 from softid.models.division import Division, divide, divided
 from softid.models.second_order import Law
+from softid.models.time_scales import Speeds
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 from softid.segment import Segment
@@ -350,8 +351,14 @@ class ExtendedModel(Model):
         self, values: Mapping[str, float], input_range: tuple[float, float]
     ) -> dict[str, tuple[float, str]]:
         """Those of the model without its effects."""
-        own = {name: values[name] for name in self.model.parameters().names}
-        return self.model.derived(own, input_range)
+        return self.model.derived(self._of_model(values), input_range)
+
+    def speeds(self, values: Mapping[str, float], u: float) -> Speeds:
+        """Those of the model without its effects."""
+        return self.model.speeds(self._of_model(values), u)
+
+    def _of_model(self, values: Mapping[str, float]) -> dict[str, float]:
+        return {name: values[name] for name in self.model.parameters().names}
 
     def limit(
         self, theta: Array, period_s: float, input_range: tuple[float, float]
