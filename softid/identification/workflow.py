@@ -25,7 +25,6 @@ from softid.identification.intersample_choice import (
     with_bends_told,
 )
 from softid.identification.issues import fitted_range, most_serious_first, require_explained
-from softid.identification.model_reduction import simpler_model
 from softid.identification.model_selection import ModelChoice, choose_model
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import (
@@ -324,7 +323,7 @@ def _identify(
     while np.isfinite(optimum.cost):
         theta = problem.theta(optimum.unknowns)
         values = dict(zip(problem.parameters.names, theta.tolist(), strict=True))
-        simpler = simpler_model(problem.model, values, period_s, input_range, longest_s)
+        simpler = problem.model.limit(theta, period_s, input_range, longest_s)
         if simpler is None:
             break
         limit, reason = simpler

@@ -358,7 +358,7 @@ class Model(ABC):
         return Speeds()
 
     def limit(
-        self, theta: Array, period_s: float, input_range: tuple[float, float]
+        self, theta: Array, period_s: float, input_range: tuple[float, float], longest_s: float
     ) -> tuple[Model, str] | None:
         """The simpler model to continue with when a term cannot be seen, and why.
 
@@ -370,8 +370,10 @@ class Model(ABC):
             Median sampling interval of the logs.
         input_range
             Smallest and largest input that was fitted.
+        longest_s
+            Length of the longest log.
         """
-        del theta, period_s, input_range
+        del theta, period_s, input_range, longest_s
         return None
 
     def cautions(

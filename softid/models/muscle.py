@@ -21,7 +21,7 @@ from softid.models.ringing import ringing_starts
 from softid.models.second_order import ORDERS, Order, simulate_law
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
 from softid.models.summed_products import sum_law
-from softid.models.time_scales import Speeds, faded, speeds_of
+from softid.models.time_scales import Speeds, order_seen, speeds_of
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment
 
@@ -361,10 +361,12 @@ class Muscle(Model):
         return speeds_of(MuscleLaw(np.array([values[name] for name in NAMES])), u)
 
     def limit(
-        self, theta: Array, period_s: float, input_range: tuple[float, float]
+        self, theta: Array, period_s: float, input_range: tuple[float, float], longest_s: float
     ) -> tuple[Muscle, str] | None:
-        """First order when M/N is far below the sampling interval, static when N/Q is."""
-        found = faded(MuscleLaw(theta), self.order, period_s, np.linspace(*input_range, 20))
+        """The lower order where the inertia, or all of the motion, is too fast for the samples."""
+        del longest_s
+        inputs = np.linspace(*input_range, 20)
+        found = order_seen(MuscleLaw(theta), self.order, period_s, inputs)
         return (replace(self, order=found[0]), found[1]) if found else None
 
 

@@ -23,7 +23,7 @@ from softid.models.second_order import (
     simulate_law,
 )
 from softid.models.summed_products import sum_law
-from softid.models.time_scales import Speeds, faded, speeds_of
+from softid.models.time_scales import Speeds, order_seen, returning_late, speeds_of
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment
@@ -300,11 +300,15 @@ class Oscillator(Model):
         return speeds_of(OscillatorLaw(np.array([values[name] for name in NAMES])), u)
 
     def limit(
-        self, theta: Array, period_s: float, input_range: tuple[float, float]
+        self, theta: Array, period_s: float, input_range: tuple[float, float], longest_s: float
     ) -> tuple[Oscillator, str] | None:
-        """First order when M/N is far below the sampling interval, static when N/Q is."""
-        found = faded(OscillatorLaw(theta), self.order, period_s, np.array(input_range))
-        return (replace(self, order=found[0]), found[1]) if found else None
+        """The lower order where a term is too fast for the samples, no spring where it is slow."""
+        law = OscillatorLaw(theta)
+        found = order_seen(law, self.order, period_s, np.array(input_range))
+        if found:
+            return replace(self, order=found[0]), found[1]
+        late = returning_late(law, input_range[0], longest_s) if self.spring == "linear" else None
+        return (replace(self, spring="none"), late) if late else None
 
 
 def _grid(segments: Sequence[Segment], output: str, sign: float) -> list[tuple[float, Array]]:

@@ -162,8 +162,8 @@ def test_a_faded_inertia_gives_the_first_order_model() -> None:
     theta = THETA.copy()
     theta[0] = 1e-9
     model = Muscle(fixed_length_mm=150.0, diameter_mm=20.0)
-    found = model.limit(theta, 0.01, (0.0, 300.0))
+    found = model.limit(theta, 0.01, (0.0, 300.0), 10.0)
     assert found is not None
     assert found[0] == Muscle(order="first", fixed_length_mm=150.0, diameter_mm=20.0)
     assert "inertia" in found[1]
-    assert Muscle().limit(THETA, 1e-4, (0.0, 300.0)) is None
+    assert Muscle().limit(THETA, 1e-4, (0.0, 300.0), 10.0) is None

@@ -184,6 +184,19 @@ def test_derived_and_limit() -> None:
     assert Oscillator().derived(values | {"Q": 0.0}, (0.0, 1.0)) == {}
     theta = THETA.copy()
     theta[0] = 1e-6
-    limit = Oscillator().limit(theta, 0.01, (0.0, 1.0))
+    limit = Oscillator().limit(theta, 0.01, (0.0, 1.0), 10.0)
     assert limit is not None
     assert limit[0].order == "first"
+
+
+def test_a_spring_that_comes_late_is_dropped_from_a_model_that_may_do_without() -> None:
+    """N/Q of 400 s in a log of 10 s, more than thirty lengths; 200 s are fewer."""
+    slow = np.array([0.5, 4.0, 0.01, 1.0, 0.0])
+    found = Oscillator(x_unit="mm").limit(slow, 0.01, (0.0, 1.0), 10.0)
+    assert found is not None
+    assert found[0] == Oscillator(x_unit="mm", spring="none")
+    assert found[1] == "the motion would come back in 4e+02 s, and the logs end after 10 s"
+    slow[2] = 0.02
+    assert Oscillator().limit(slow, 0.01, (0.0, 1.0), 10.0) is None
+    slow[2] = 0.0
+    assert Oscillator(spring="none").limit(slow, 0.01, (0.0, 1.0), 10.0) is None

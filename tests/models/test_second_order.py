@@ -18,7 +18,7 @@ from softid.models.muscle_law import MuscleLaw
 from softid.models.oscillator import Oscillator, OscillatorLaw
 from softid.models.polynomial import Polynomial
 from softid.models.second_order import simulate_law
-from softid.models.time_scales import Speeds, faded, speeds_of
+from softid.models.time_scales import Speeds, order_seen, speeds_of
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -248,8 +248,21 @@ def test_a_static_model_has_no_speeds() -> None:
 def test_what_cannot_be_seen_fades(mass: float, damping: float, order, expected) -> None:
     """A mode that dies out within a tenth of the sampling interval is dropped, no other."""
     law = OscillatorLaw(np.array([mass, damping, 1.0, 1.0, 0.0]))
-    found = faded(law, order, 0.02, np.array([0.0, 1.0]))
+    found = order_seen(law, order, 0.02, np.array([0.0, 1.0]))
     assert (found[0] if found else None) == expected
+
+
+@pytest.mark.parametrize(("hz", "expected"), [(49.0, None), (51.0, "first")])
+def test_a_swing_past_half_the_sampling_rate_is_an_alias(hz: float, expected: str | None) -> None:
+    """At 100 samples a second no more than 50 Hz can be seen; a motion that does not ring lasts."""
+    mass, spring = 0.5, 0.5 * (2.0 * np.pi * hz) ** 2
+    light, heavy = 0.02 * np.sqrt(spring * mass), 2.1 * np.sqrt(spring * mass)
+    inputs = np.array([0.0, 1.0])
+    law = OscillatorLaw(np.array([mass, light, spring, 1.0, 0.0]))
+    found = order_seen(law, "second", 0.01, inputs)
+    assert (found[0] if found else None) == expected
+    creeping = OscillatorLaw(np.array([mass, heavy, spring, 1.0, 0.0]))
+    assert order_seen(creeping, "second", 0.01, inputs) is None
 
 
 def test_a_plan_held_still_makes_the_output_smooth() -> None:

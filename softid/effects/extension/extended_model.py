@@ -361,10 +361,10 @@ class ExtendedModel(Model):
         return {name: values[name] for name in self.model.parameters().names}
 
     def limit(
-        self, theta: Array, period_s: float, input_range: tuple[float, float]
+        self, theta: Array, period_s: float, input_range: tuple[float, float], longest_s: float
     ) -> tuple[Model, str] | None:
         """The limit of the model with the same effects."""
-        found = self.model.limit(theta[: self._split[0]], period_s, input_range)
+        found = self.model.limit(theta[: self._split[0]], period_s, input_range, longest_s)
         return None if found is None else (replace(self, model=found[0]), found[1])
 
     def spec(self) -> ModelSpec:
