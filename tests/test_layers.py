@@ -44,7 +44,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("changes",),
     ("search",),
     ("verdict",),
-    ("search_result",),
+    ("search_memory", "search_result"),
     ("cause_search",),
     ("plainer_model",),
     ("timed_search", "slip_search", "smoothed_ends", "smoothed_record"),

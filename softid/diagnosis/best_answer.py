@@ -210,7 +210,8 @@ def _surest_answer(
     again = over_plainer_model()
     if again is not None and again[0].verdict in CONCLUSIVE_VERDICTS:
         return again
-    again = answered(search.search_from_other_causes(found.chain))
+    other = search.search_from_other_causes(found)
+    again = answered(None if other.chain is found.chain else other)
     if again is not None and again[0].verdict is not Verdict.UNKNOWN:
         return again
     return first

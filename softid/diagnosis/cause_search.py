@@ -26,6 +26,7 @@ from softid.diagnosis.search.indistinct import (
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.order_of_size import largest_first
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
+from softid.diagnosis.search_memory import SearchMemory
 from softid.diagnosis.search_result import SearchResult, is_same_model
 from softid.diagnosis.verdict.doubts import is_within_samples
 from softid.diagnosis.verdict.held_out_error import with_held_out
@@ -65,9 +66,7 @@ class CauseSearch:
     effects: tuple[Effect, ...]
     seed: int
     report: Progress
-    _known: dict[Candidate, Remainder] = field(default_factory=dict, init=False, repr=False)
-    _grown: dict[tuple[Chain, int], Chain] = field(default_factory=dict, init=False, repr=False)
-    _unsure: list[Candidate] = field(default_factory=list, init=False, repr=False)
+    _memory: SearchMemory = field(default_factory=SearchMemory, init=False, repr=False)
 
     @cached_property
     def multistart(self) -> list[Candidate]:
@@ -83,11 +82,10 @@ class CauseSearch:
         model
             The base with causes.
         """
-        if model not in self._known:
-            rng = np.random.default_rng(self.seed)
-            base, gauges = self.base, self.base.gauges
-            self._known[model] = assess(base.candidate, model, base.scale, rng=rng, gauges=gauges)
-        return self._known[model]
+        base, rng = self.base, np.random.default_rng(self.seed)
+        return self._memory.remainder(
+            model, lambda: assess(base.candidate, model, base.scale, rng=rng, gauges=base.gauges)
+        )
 
     def first_cause(self) -> Chain:
         """The base with one cause, if what is held out does not speak against any.
@@ -125,9 +123,7 @@ class CauseSearch:
         """
         if extra or raced is not None:
             return self._select(chain, max_links, extra, raced)
-        if (chain, max_links) not in self._grown:
-            self._grown[chain, max_links] = self._select(chain, max_links)
-        return self._grown[chain, max_links]
+        return self._memory.grown(chain, max_links, lambda: self._select(chain, max_links))
 
     def _select(
         self,
@@ -219,14 +215,17 @@ class CauseSearch:
     def _found_from_multistart(self) -> SearchResult:
         return self.search(self._first_from_multistart)
 
-    def search_from_other_causes(self, known: Chain) -> SearchResult | None:
-        """What a search from another first cause finds, if that is sure.
+    def search_from_other_causes(self, found: SearchResult) -> SearchResult:
+        """What a search from another first cause finds, where that is sure; else what is known.
+
+        Either tells what was `unsure` on the way.
 
         Parameters
         ----------
-        known
-            The chain from the best first cause.
+        found
+            What is known, with the chain from the best first cause.
         """
+        known, unsure = found.chain, list[Candidate]()
         best = known.links[0].added if known.links else None
         refused = None if known.links or known.last is None else known.last.added
         base, given = self.base, (self.effects, self.base.scale, self.base.sigma)
@@ -242,21 +241,16 @@ class CauseSearch:
                 longer = self._of_first_order(longer)
                 longer = self._revise(longer) if len(longer.links) > 1 else longer
                 longer = self._with_third(longer) if left.structured else longer
-                found = self.judged(longer, other.final)
-                if found.is_sure:
-                    return found
-                self._unsure.append(found.chain.final)
-        return None
+                judged = self.judged(longer, other.final)
+                if judged.is_sure:
+                    return judged.with_unsure(unsure)
+                unsure.append(judged.chain.final)
+        return found.with_unsure(unsure)
 
     def _may_outdo(self, known: Chain, other: Chain) -> bool:
         """Whether two causes that leave something may lead to more than is known with a third."""
         names, taken = ({e.name for e in chain.final.effects} for chain in (known, other))
         return self.remainder_of(known.final).structured and not taken <= names
-
-    @property
-    def promising(self) -> Candidate | None:
-        """What left noise on the fitted samples from another first cause, and erred elsewhere."""
-        return min(self._unsure, key=lambda model: model.squares, default=None)
 
     @cached_property
     def _is_astray(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from softid.diagnosis.refit.candidates import Candidate
@@ -29,6 +30,8 @@ class SearchResult:
         The model with the cause that was found first, as it was then; None without a cause.
     met_multistart
         Whether candidates from a multistart took part.
+    unsure
+        Models from other first causes that explained the fitted samples and were not sure.
     """
 
     chain: Chain
@@ -36,6 +39,22 @@ class SearchResult:
     is_named: tuple[bool, ...]
     first: Candidate | None = None
     met_multistart: bool = False
+    unsure: tuple[Candidate, ...] = ()
+
+    def with_unsure(self, models: Sequence[Candidate]) -> SearchResult:
+        """The same with models that were met on the way and not sure.
+
+        Parameters
+        ----------
+        models
+            The models.
+        """
+        return replace(self, unsure=(*self.unsure, *models)) if models else self
+
+    @property
+    def promising(self) -> Candidate | None:
+        """What left noise on the fitted samples from another first cause, and erred elsewhere."""
+        return min(self.unsure, key=lambda model: model.squares, default=None)
 
     @property
     def without_names(self) -> SearchResult:

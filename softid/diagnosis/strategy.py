@@ -91,7 +91,7 @@ def search_causes(
         if steady is not None:
             return steady
     if not found.came_to_nothing:
-        return _from_another_cause(found, search) or found, search
+        return _from_another_cause(found, search), search
     alone = search.without_causes()
     if alone is not None and alone.remainder.open_jumps > 0:
         return alone, search
@@ -103,12 +103,11 @@ def search_causes(
         found = search.search()
         if not found.came_to_nothing:
             return found, search
-    other = search.search_from_multistart(found) or search.search_from_other_causes(found.chain)
-    return other or found, search
+    return search.search_from_multistart(found) or search.search_from_other_causes(found), search
 
 
-def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResult | None:
-    """What is sure from another first cause, where a chain with a name may be the wrong one.
+def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResult:
+    """What was found, or what is sure from another first cause, where a name may be wrong.
 
     Where a curve leaves something, its free values have taken what a second cause does, which pays
     no more beside it then. A first cause that stands for two others leaves more than noise, or two
@@ -120,12 +119,12 @@ def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResul
     is_louder = left.excess > SMALLEST_EXCESS and not left.noise_is_known
     is_doubted = left.structured or len(links) == MAX_LINKS or (len(links) > 1 and is_louder)
     if not (is_bent or is_doubted):
-        return None
-    other = search.search_from_other_causes(found.chain)
-    if other is None or is_bent:
+        return found
+    other = search.search_from_other_causes(found)
+    if is_bent or other.chain is found.chain:
         return other
-    sigma = search.base.sigma
-    return other if is_likelier(other.chain.final, found.chain.final, sigma) else None
+    is_better = is_likelier(other.chain.final, found.chain.final, search.base.sigma)
+    return other if is_better else found.with_unsure(other.unsure)
 
 
 def search_with_intersample(
@@ -177,8 +176,8 @@ def search_with_intersample(
             other = replace(last, base=last.base.judged_by(judges))
             again = other.judged(found.chain, found.first)
             return replace(again, met_multistart=found.met_multistart), other
-    elif last.promising is not None:
-        model = last.promising
+    elif found.promising is not None:
+        model = found.promising
         intersample = model.problem.logs[0].effective_intersample
         if _intersamples(judges_of(intersample, model)) != _intersamples(
             last.base.identified.hold_out

@@ -360,3 +360,33 @@ def test_behind_noise_a_cause_must_explain_more_than_the_gauge(
     monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
     search_over().grow(chain_of("delay"))
     assert asked == [stays]
+
+
+@pytest.mark.parametrize("sure", ["none", "ageing"])
+def test_what_was_not_sure_on_the_way_is_told_with_the_result(
+    sure: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Asked twice, the same twice: nothing is remembered in the search. Of several, that which
+    leaves least promises most."""
+    tried = [chain_of("delay"), chain_of("creep"), chain_of("ageing")]
+    monkeypatch.setattr(cause_search, "alternative_first_links", lambda *args, refused: tried)
+    monkeypatch.setattr(cause_search, "that_promise_the_rest", lambda others, *args: others)
+    monkeypatch.setattr(CauseSearch, "grow", lambda self, chain, **options: chain)
+    monkeypatch.setattr(CauseSearch, "_of_first_order", lambda self, chain: chain)
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: NOISE)
+
+    def judged(self: CauseSearch, chain: Chain, first: Any) -> SearchResult:
+        return SearchResult(chain, NOISE, (chain.final.keys == (sure,),))
+
+    monkeypatch.setattr(CauseSearch, "judged", judged)
+    known = replace(NOTHING, chain=replace(NOTHING.chain, final=candidate(("creep",), 1e9)))
+    search = search_over()
+    for _ in range(2):
+        found = search.search_from_other_causes(known)
+        is_sure = sure != "none"
+        assert found.chain is (tried[2] if is_sure else known.chain)
+        assert found.unsure == tuple(chain.final for chain in tried[: 2 if is_sure else 3])
+    least = candidate(("softening",), 1e-9)
+    assert found.with_unsure([least]).promising is least
+    assert known.promising is None
+    assert known.with_unsure([]) is known

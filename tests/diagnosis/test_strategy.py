@@ -78,7 +78,7 @@ def test_other_searches_follow_one_that_came_to_nothing(
     monkeypatch.setattr(CauseSearch, "search", searched_as(answers, by=by))
     monkeypatch.setattr(CauseSearch, "without_causes", lambda self: alone)
     monkeypatch.setattr(CauseSearch, "search_from_multistart", lambda self, known: other)
-    monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: None)
+    monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: known)
     request: Any = SimpleNamespace(fit_base=lambda *args, thorough: base_fit(again))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
     others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
@@ -139,9 +139,9 @@ def answered(
     monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": found}, by=[]))
     asked: list[Chain] = []
 
-    def from_another(self: CauseSearch, known: Chain) -> SearchResult | None:
-        asked.append(known)
-        return other
+    def from_another(self: CauseSearch, known: SearchResult) -> SearchResult:
+        asked.append(known.chain)
+        return other or known
 
     monkeypatch.setattr(CauseSearch, "search_from_other_causes", from_another)
     unused: Any = None
