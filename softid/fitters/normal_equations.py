@@ -95,19 +95,15 @@ class Linearised(NormalEquations):
 
     def weighted(self, sigma: Mapping[str, float]) -> Linearised:
         """What `linearise` would find at the point, without a prior; nothing is simulated."""
-        pieces = [replace(piece, residual=piece.residual.copy()) for piece in self.pieces]
         with np.errstate(all="ignore"):
-            return _summed_at_best_zeros(self.problem, self.point, pieces, sigma, self.plans)
+            return _summed_at_best_zeros(self.problem, self.point, self.pieces, sigma, self.plans)
 
     def with_zeros_of(self, z: Array) -> Linearised:
         """The same pieces at ``z``, which differs in its sensor zeros only; nothing is summed."""
         if not self.problem.zeros:
             return replace(self, point=z)
-        pieces = []
-        for piece in self.pieces:
-            zero, residual = _zero_of(self.problem, piece), piece.residual.copy()
-            residual[-2] -= z[zero] - self.point[zero]
-            pieces.append(replace(piece, residual=residual))
+        move = z - self.point
+        pieces = (piece.less(move[_zero_of(self.problem, piece)]) for piece in self.pieces)
         return replace(self, point=z, pieces=tuple(pieces))
 
 
@@ -168,8 +164,8 @@ def _summed_at_best_zeros(
     sigma: Mapping[str, float],
     plans: Sequence[Division | None] | None,
 ) -> Linearised:
-    """The normal equations with every zero at its optimum; the residuals follow where they are."""
-    moved = _best_zeros(problem, z, pieces)
+    """The normal equations with every zero at its optimum, which the residuals follow."""
+    moved, pieces = _at_best_zeros(problem, z, pieces)
     cost, n = 0.0, 0
     gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
     for piece in pieces:
@@ -294,10 +290,12 @@ def _products(
     )
 
 
-def _best_zeros(problem: Problem, z: Array, pieces: Sequence[Piece]) -> Array:
-    """Every zero at its optimum, the mean residual of its log and channel, and residuals moved."""
+def _at_best_zeros(
+    problem: Problem, z: Array, pieces: Sequence[Piece]
+) -> tuple[Array, Sequence[Piece]]:
+    """Every zero at its optimum, the mean residual of its log and channel, and pieces there."""
     if not problem.zeros:
-        return z
+        return z, pieces
     sums: dict[int, tuple[float, float]] = {}
     places = [_zero_of(problem, piece) for piece in pieces]
     for place, piece in zip(places, pieces, strict=True):
@@ -308,6 +306,5 @@ def _best_zeros(problem: Problem, z: Array, pieces: Sequence[Piece]) -> Array:
     for place, (total, count) in sums.items():
         if count > 0.0 and math.isfinite(total):
             moved[place] += total / count
-    for place, piece in zip(places, pieces, strict=True):
-        piece.residual[-2] -= moved[place] - z[place]
-    return moved
+    rows = zip(places, pieces, strict=True)
+    return moved, [piece.less(moved[place] - z[place]) for place, piece in rows]

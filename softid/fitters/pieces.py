@@ -7,7 +7,7 @@ weights T with which they make up the Jacobian, J = Cᵀ T.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -71,6 +71,18 @@ class Piece:
         mine, theirs = np.nonzero(self.moved_by[:, None] == unknowns)
         weights[:, theirs] = self.jacobian[:, mine]
         return weights
+
+    def less(self, move: float) -> Piece:
+        """The piece where its sensor zero is larger by so much.
+
+        Parameters
+        ----------
+        move
+            The difference, in the unit of the channel.
+        """
+        residual = self.residual.copy()
+        residual[-2] -= move
+        return replace(self, residual=residual)
 
     @property
     def kept(self) -> bool:

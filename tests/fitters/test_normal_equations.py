@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.fitters.normal_equations import bend, linearise
+from softid.fitters.normal_equations import _at_best_zeros, bend, linearise
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.muscle import Muscle
@@ -132,6 +132,24 @@ def test_the_same_pieces_under_other_zeros_and_weights(name: str) -> None:
     doubled = shifted.weighted(dict.fromkeys(p.outputs, 2.0))
     np.testing.assert_allclose(doubled.point, found.point, atol=1e-10)
     assert 4.0 * doubled.cost == pytest.approx(found.cost, rel=1e-10)
+
+
+def test_pieces_stay_as_they_were_summed() -> None:
+    """What moves zeros to their optimum takes pieces that nobody may write into."""
+    p, z = case("x")
+    sigma = dict.fromkeys(p.outputs, 1.0)
+    found = linearise(p, z, sigma, plans=p.plans(z), keep=ALL_COLUMNS)
+    for piece in found.pieces:
+        piece.residual.setflags(write=False)
+    elsewhere = found.point.copy()
+    elsewhere[p.zero_position(0, "contraction")] += 0.1
+    away = found.with_zeros_of(elsewhere)
+    before = [piece.residual.copy() for piece in away.pieces]
+    np.testing.assert_allclose(away.weighted(sigma).cost, found.cost, rtol=1e-10)
+    for piece, kept in zip(away.pieces, before, strict=True):
+        np.testing.assert_array_equal(piece.residual, kept)
+    _, there = _at_best_zeros(p, found.point, found.pieces)
+    assert all(new is not old for new, old in zip(there, found.pieces, strict=True))
 
 
 @pytest.mark.parametrize("name", ["x", "geometry", "drive"])
