@@ -35,7 +35,7 @@ MOST_STARTS = 2
 """Start values of each first beginning that are led on."""
 
 
-class BeginningProblem(Problem):
+def beginning_of(whole: Problem, share: float) -> Problem:
     """A problem over the beginning of every segment, with the same unknowns.
 
     Parameters
@@ -45,14 +45,11 @@ class BeginningProblem(Problem):
     share
         Part of the samples of every segment that is kept.
     """
-
-    def __init__(self, whole: Problem, share: float) -> None:
-        self._adopt(whole)
-        self.segments = []
-        for segment in whole.segments:
-            kept = slice(max(LEAST_SAMPLES, round(share * segment.time_s.size)))
-            self.segments.append(segment.part(kept))
-        self._layout()
+    segments = (
+        segment.part(slice(max(LEAST_SAMPLES, round(share * segment.time_s.size))))
+        for segment in whole.segments
+    )
+    return Problem.with_segments(whole, list(segments))
 
 
 def informative_beginning(problem: Problem, enough: int) -> Problem:
@@ -68,7 +65,7 @@ def informative_beginning(problem: Problem, enough: int) -> Problem:
     share = enough / max(problem.n_samples, 1)
     while share < 1.0:
         if _travels_enough(problem, share):
-            return BeginningProblem(problem, share)
+            return beginning_of(problem, share)
         share *= 2.0
     return problem
 
@@ -112,7 +109,7 @@ def led_from_beginnings(
 def _growing(problem: Problem, first: float) -> list[Problem]:
     """The problem over beginnings that grow from a first share, and at last over all."""
     count = math.ceil(math.log(1.0 / first) / math.log(GROWTH))
-    parts = [BeginningProblem(problem, first * GROWTH**k) for k in range(count)]
+    parts = [beginning_of(problem, first * GROWTH**k) for k in range(count)]
     return [*parts, problem]
 
 

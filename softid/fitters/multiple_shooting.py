@@ -26,46 +26,23 @@ estimated, and shorter ones would leave little beyond it for the parameters."""
 
 
 class PiecewiseProblem(Problem):
-    """A problem with every segment cut into pieces, each with an initial state to be estimated.
+    """A problem over pieces of segments, each with an initial state to be estimated."""
 
-    Parameters
-    ----------
-    whole
-        The problem to be cut.
-    pieces
-        About how many pieces all segments make together.
-    """
+    @classmethod
+    def over(cls, whole: Problem, cuts: Sequence[Sequence[tuple[int, int]]]) -> PiecewiseProblem:
+        """The pieces of a problem that lie between some samples.
 
-    def __init__(self, whole: Problem, pieces: int) -> None:
-        self._adopt(whole)
-        total_s = sum(float(s.time_s[-1] - s.time_s[0]) for s in whole.segments)
-        cuts = []
-        for segment in whole.plain_segments:
-            n, length_s = segment.time_s.size, float(segment.time_s[-1] - segment.time_s[0])
-            count = round(pieces * length_s / total_s) if total_s > 0.0 else 1
-            edges = np.linspace(0, n, max(1, min(count, n // LEAST_SAMPLES)) + 1).astype(int)
-            cuts.append(list(itertools.pairwise(edges.tolist())))
-        self._keep(whole, cuts)
-
-    def _keep(self, whole: Problem, cuts: Sequence[Sequence[tuple[int, int]]]) -> None:
-        """Take these ranges of samples of every segment, each as a segment of its own.
-
-        A log that none of them lies in has no zero, for nothing would tell it.
+        Parameters
+        ----------
+        whole
+            The problem to be cut.
+        cuts
+            For every segment, first sample and the one behind the last of each of its pieces.
         """
-        self.segments, self.owner, self.at_rest, self.stuck = [], [], [], []
-        starts = zip(whole.at_rest, whole.stuck, strict=True)
-        every = zip(whole.plain_segments, whole.owner, starts, cuts, strict=True)
-        for segment, owner, (rest, stuck), ranges in every:
-            for start, stop in ranges:
-                piece = slice(start, stop)
-                self.segments.append(segment.part(piece))
-                self.owner.append(owner)
-                self.at_rest.append(rest and start == 0)
-                self.stuck.append(stuck and start == 0)
-        kept = sorted(set(self.owner))
-        self.logs = tuple(whole.logs[k] for k in kept)
-        self.owner = [kept.index(k) for k in self.owner]
-        self._layout()
+        every = zip(whole.plain_segments, cuts, strict=True)
+        segments = [s.part(slice(start, stop)) for s, ranges in every for start, stop in ranges]
+        parts = [(k, start == 0) for k, ranges in enumerate(cuts) for start, _ in ranges]
+        return cls.with_segments(whole, segments, parts)
 
     def started(self, values: Mapping[str, float]) -> Array:
         """Unknowns at given parameter values, every piece starting at its first measured sample."""
@@ -110,3 +87,23 @@ class PiecewiseProblem(Problem):
             theta, short, (name,), start=state, derivatives=True, relative=True
         )
         return 0.0 if response.by_state is None else float(response.by_state[name][0, 0])
+
+
+def cut_into(whole: Problem, pieces: int) -> PiecewiseProblem:
+    """A problem with every segment cut into pieces.
+
+    Parameters
+    ----------
+    whole
+        The problem to be cut.
+    pieces
+        About how many pieces all segments make together.
+    """
+    total_s = sum(float(s.time_s[-1] - s.time_s[0]) for s in whole.segments)
+    cuts = []
+    for segment in whole.plain_segments:
+        n, length_s = segment.time_s.size, float(segment.time_s[-1] - segment.time_s[0])
+        count = round(pieces * length_s / total_s) if total_s > 0.0 else 1
+        edges = np.linspace(0, n, max(1, min(count, n // LEAST_SAMPLES)) + 1).astype(int)
+        cuts.append(list(itertools.pairwise(edges.tolist())))
+    return PiecewiseProblem.over(whole, cuts)

@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.blocks import Block
 from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.pieces import Piece, piece_of_block, piece_of_products
-from softid.fitters.problem import Block, Problem
+from softid.fitters.problem import Problem
 from softid.kernels.affine_blocks import N_COLUMNS
 from softid.kernels.equation_sums import add_equations
 from softid.models.division import Division

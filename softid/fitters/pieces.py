@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.problem import Block, Problem
+from softid.fitters.blocks import Block
+from softid.fitters.problem import Problem
 from softid.models.products import Products
 
 Array = npt.NDArray[np.float64]

@@ -11,11 +11,13 @@ one of them, too.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.blocks import Block
 from softid.fitters.rest import spans_of, starts_at_rest
 from softid.fitters.ties import tie_function
 from softid.log import Log
@@ -45,28 +47,6 @@ AT_BOUND = 1e-6
 
 _LOG_FLOOR = 1e-300
 """Stands for zero where a logarithm is taken: close to the smallest number there is."""
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Residual and Jacobian of one output channel over one segment.
-
-    Attributes
-    ----------
-    channel
-        Output channel.
-    segment
-        Index in `Problem.segments`.
-    residual
-        Measured minus simulated at the used samples, in the channel's unit, shape (m,).
-    jacobian
-        ∂(simulated)/∂(unknowns), shape (m, U); None if not asked.
-    """
-
-    channel: str
-    segment: int
-    residual: Array
-    jacobian: Array | None
 
 
 class Problem:
@@ -116,9 +96,36 @@ class Problem:
         self.at_rest = [rest and not may_stick for rest in rests]
         self._layout()
 
-    def _adopt(self, whole: Problem) -> None:
-        """Take over all of a problem but its segments, which the caller replaces."""
-        self.__dict__.update(whole.__dict__)
+    @classmethod
+    def with_segments(
+        cls,
+        whole: Problem,
+        segments: Sequence[Segment],
+        parts: Sequence[tuple[int, bool]] | None = None,
+    ) -> Self:
+        """All of the ``whole`` problem but its segments, and the initial states of other ones.
+
+        Parameters
+        ----------
+        whole, segments
+            The problem, and the segments in the place of its own.
+        parts
+            For each the one of its own that it is a part of, and whether it begins with that, for
+            another one begins in motion; None where each stands for its own. A log without a part
+            has no zero, which nothing would tell.
+        """
+        found = cls.__new__(cls)
+        vars(found).update(vars(whole))
+        found.segments = list(segments)
+        if parts is not None:
+            owners = [whole.owner[k] for k, _ in parts]
+            kept = sorted(set(owners))
+            found.logs = tuple(whole.logs[k] for k in kept)
+            found.owner = [kept.index(k) for k in owners]
+            found.at_rest = [begins and whole.at_rest[k] for k, begins in parts]
+            found.stuck = [begins and whole.stuck[k] for k, begins in parts]
+        found._layout()
+        return found
 
     def plans(self, z: Array) -> list[Division | None]:
         """Division of every segment's sampling intervals that the parameters at ``z`` call for."""
@@ -138,17 +145,12 @@ class Problem:
             position += count
         self.size = position
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
-        self._n_samples = sum(counts)
+        self.n_samples = sum(counts)  # of all channels
 
     @property
     def plain_segments(self) -> list[Segment]:
         """The segments with their samples alone, for starts that take the input as straight."""
         return [segment.without_knots() for segment in self.segments]
-
-    @property
-    def n_samples(self) -> int:
-        """Number of residuals over all channels."""
-        return self._n_samples
 
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of the unknowns, each of shape (U,)."""
@@ -233,19 +235,17 @@ class Problem:
             return z, list(blocks)
         moved = z.copy()
         parts: dict[int, list[Array]] = {}
-        for block in blocks:
-            at = self.zero_position(self.owner[block.segment], block.channel)
+        places = [self.zero_position(self.owner[b.segment], b.channel) for b in blocks]
+        for at, block in zip(places, blocks, strict=True):
             parts.setdefault(at, []).append(block.residual)
         shift = {
             at: float(np.mean(np.concatenate(rs))) for at, rs in parts.items() if sum(map(len, rs))
         }
         for at, level in shift.items():
             moved[at] += level if np.isfinite(level) else 0.0
-        shifted = []
-        for block in blocks:
-            at = self.zero_position(self.owner[block.segment], block.channel)
-            shifted.append(replace(block, residual=block.residual - shift.get(at, 0.0)))
-        return moved, shifted
+        levels = (shift.get(at, 0.0) for at in places)
+        left = [b.residual - level for b, level in zip(blocks, levels, strict=True)]
+        return moved, [replace(b, residual=r) for b, r in zip(blocks, left, strict=True)]
 
     def with_nuisance_of(self, z: Array, other: Problem, unknowns: Array) -> Array:
         """``z`` with zeros and initial states of another problem over the same logs.

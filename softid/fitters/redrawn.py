@@ -13,7 +13,7 @@ from softid.fitters.problem import Problem
 Array = npt.NDArray[np.float64]
 
 
-class RedrawnProblem(Problem):
+def redrawn(whole: Problem, outputs: Mapping[str, Sequence[Array]]) -> Problem:
     """A problem whose segments have measured other outputs.
 
     Parameters
@@ -23,10 +23,8 @@ class RedrawnProblem(Problem):
     outputs
         Output channel → values of every segment, of the same shapes.
     """
-
-    def __init__(self, whole: Problem, outputs: Mapping[str, Sequence[Array]]) -> None:
-        self._adopt(whole)
-        self.segments = [
-            replace(segment, outputs={name: values[k] for name, values in outputs.items()})
-            for k, segment in enumerate(whole.segments)
-        ]
+    segments = (
+        replace(segment, outputs={name: values[k] for name, values in outputs.items()})
+        for k, segment in enumerate(whole.segments)
+    )
+    return Problem.with_segments(whole, list(segments))

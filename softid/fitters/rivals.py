@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from softid.fitters.beginnings import informative_beginning, led_from_beginnings
 from softid.fitters.levenberg_marquardt import Minimum
-from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.multiple_shooting import PiecewiseProblem, cut_into
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import (
@@ -185,7 +185,7 @@ class _Ladder:
         if not rings:
             return point
         incumbent = problem.values(point)
-        cut, *longer = (PiecewiseProblem(problem, count) for count in PIECE_COUNTS)
+        cut, *longer = (cut_into(problem, count) for count in PIECE_COUNTS)
         starts = [(incumbent, SCOUT_EVALUATIONS)]
         starts += [(start.values_dict(), SORTING_EVALUATIONS) for start in rings]
         own, *others = self._all_led(cut, starts)

@@ -97,7 +97,7 @@ class Lead:
     is_white: bool = False
 
 
-class ThinnedProblem(Problem):
+def averaged(whole: Problem, length: int) -> Problem:
     """A problem over means of so many consecutive samples each, with the same unknowns.
 
     Parameters
@@ -107,14 +107,11 @@ class ThinnedProblem(Problem):
     length
         Samples in a block.
     """
-
-    def __init__(self, whole: Problem, length: int) -> None:
-        self._adopt(whole)
-        self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
-        self._layout()
+    segments = [_averaged(segment, length) for segment in whole.plain_segments]
+    return Problem.with_segments(whole, segments)
 
 
-class WindowedProblem(PiecewiseProblem):
+def windows_of(whole: Problem, windows: int = MOST_PER_LOG) -> PiecewiseProblem:
     """A problem over windows of its segments, each with an initial state to be estimated.
 
     Parameters
@@ -124,23 +121,20 @@ class WindowedProblem(PiecewiseProblem):
     windows
         How many of them: in a single segment side by side, else one in each of so many segments.
     """
-
-    def __init__(self, whole: Problem, windows: int = MOST_PER_LOG) -> None:
-        self._adopt(whole)
-        segments = whole.plain_segments
-        widest = sorted(range(len(segments)), key=lambda k: -float(np.ptp(segments[k].input)))
-        kept = set(widest[:windows])
-        total = sum(segments[k].time_s.size for k in kept)
-        count = windows if len(segments) == 1 else 1
-        cuts: list[list[tuple[int, int]]] = [[] for _ in segments]
-        for k in kept:
-            n = segments[k].time_s.size
-            size = min(n, max(1, WINDOWED * n // total // count))
-            begins = np.linspace(0, n - size, count).astype(int).tolist()
-            if count == 1:
-                begins = [(n - size) // 2]
-            cuts[k] = [(begin, begin + size) for begin in begins]
-        self._keep(whole, cuts)
+    segments = whole.plain_segments
+    widest = sorted(range(len(segments)), key=lambda k: -float(np.ptp(segments[k].input)))
+    kept = set(widest[:windows])
+    total = sum(segments[k].time_s.size for k in kept)
+    count = windows if len(segments) == 1 else 1
+    cuts: list[list[tuple[int, int]]] = [[] for _ in segments]
+    for k in kept:
+        n = segments[k].time_s.size
+        size = min(n, max(1, WINDOWED * n // total // count))
+        begins = np.linspace(0, n - size, count).astype(int).tolist()
+        if count == 1:
+            begins = [(n - size) // 2]
+        cuts[k] = [(begin, begin + size) for begin in begins]
+    return PiecewiseProblem.over(whole, cuts)
 
 
 def _numbers_of_windows(segments: int) -> range:
@@ -162,15 +156,15 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
     """
     if problem.model.start_states and problem.n_samples >= LEAST_SAVING * WINDOWED:
         for count in _numbers_of_windows(len(problem.segments)):
-            windows = WindowedProblem(problem, count)
+            windows = windows_of(problem, count)
             if _show_the_motion(windows, problem, z):
                 return windows
     length = thinning(problem)
     if length > 1:
-        averaged = ThinnedProblem(problem, length)
-        holds_most = averaged.n_samples >= LEAST_WHOLE_BLOCKS * problem.n_samples / length
-        if holds_most and _steps(averaged, z) <= WORTHWHILE * _steps(problem, z):
-            return averaged
+        blocks = averaged(problem, length)
+        holds_most = blocks.n_samples >= LEAST_WHOLE_BLOCKS * problem.n_samples / length
+        if holds_most and _steps(blocks, z) <= WORTHWHILE * _steps(problem, z):
+            return blocks
     return None
 
 
@@ -210,7 +204,7 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
     begin = start
-    if isinstance(problem, WindowedProblem):
+    if isinstance(problem, PiecewiseProblem):
         values = whole.values(start)
         look = rough(problem.free_unknowns(values))
         if not (isinstance(look, Linearised) and look.affine):
@@ -223,7 +217,7 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
     damping = found.damping
     if damping is not None:
         damping *= whole.n_samples / max(problem.n_samples, 1)
-    if not isinstance(problem, WindowedProblem):
+    if not isinstance(problem, PiecewiseProblem):
         return Lead(start, found.point, damping, found.normal.cost)
     point = whole.unknowns(problem.values(found.point), with_zeros=False)
     is_white = at_noise_level(problem, found)
@@ -245,7 +239,7 @@ def leads(
     starts
         Unknowns of the whole problem.
     """
-    if not isinstance(problem, WindowedProblem):
+    if not isinstance(problem, PiecewiseProblem):
         return []
 
     def run(start: Array) -> tuple[Lead, int]:

@@ -12,7 +12,7 @@ from softid.channels import read_only
 from softid.errors import UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
-from softid.fitters.redrawn import RedrawnProblem
+from softid.fitters.redrawn import redrawn
 from softid.identification.refitting import refitted
 from softid.log import Log
 from softid.parallel import in_parallel, matrices_on_one_thread
@@ -111,7 +111,7 @@ def bootstrap_parameters(
             )
             for name, of_segments in residuals.items()
         }
-        again = RedrawnProblem(
+        again = redrawn(
             problem, {name: _sums(response[name], drawn[name]) for name in problem.outputs}
         )
         ended = Objective(again, optimum.sigma).solve(optimum.unknowns, REFIT_EVALUATIONS)

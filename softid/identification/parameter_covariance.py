@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from softid.effects import ExtendedModel, belongs_to
 from softid.excitation import find_quantisation, run_starts
+from softid.fitters.blocks import Block
 from softid.fitters.normal_equations import SUMMED_ENTRIES, linearise, means_of
 from softid.fitters.output_error import Optimum
 from softid.fitters.pieces import Piece
-from softid.fitters.problem import Block, Problem
+from softid.fitters.problem import Problem
 from softid.results import NoiseModel
 from softid.uncertainty import (
     AutoRegression,

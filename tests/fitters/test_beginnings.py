@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import softid.fitters.rivals as rivals
-from softid.fitters.beginnings import BeginningProblem, informative_beginning, led_from_beginnings
+from softid.fitters.beginnings import beginning_of, informative_beginning, led_from_beginnings
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
@@ -40,7 +40,7 @@ def whole() -> Problem:
 def test_a_beginning_has_the_unknowns_of_the_whole(whole: Problem) -> None:
     """The first quarter of every segment, and the same residual there, to a hundred-thousandth of
     the range of 190 mm: how an interval is divided depends on the fastest motion of its segment."""
-    part = BeginningProblem(whole, 0.25)
+    part = beginning_of(whole, 0.25)
     assert part.size == whole.size
     z = whole.unknowns(HARDENING)
     for short, full in zip(
@@ -55,7 +55,7 @@ def test_a_beginning_of_a_short_log_is_all_of_it() -> None:
     """Fifty samples at least, or as many as there are."""
     log = muscle_log(HARDENING, Steps((0.0, 60.0), 0.2), seed=0, name="short").to_log()
     problem = Problem(Muscle(), Muscle().parameters(), [log])
-    assert BeginningProblem(problem, 0.1).n_samples == min(50, problem.n_samples)
+    assert beginning_of(problem, 0.1).n_samples == min(50, problem.n_samples)
 
 
 def test_a_beginning_that_tells_enough_is_no_longer_than_needed(whole: Problem) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.multiple_shooting import cut_into
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.log import Log
@@ -28,7 +28,7 @@ def ringing(model: Muscle, output: str) -> Log:
 def test_pieces_hold_every_sample_once() -> None:
     """600 samples in 7 pieces: the times joined are the log's own."""
     problem = Problem(Muscle(), Muscle().parameters(), [ringing(Muscle(), "contraction")])
-    cut = PiecewiseProblem(problem, 7)
+    cut = cut_into(problem, 7)
     assert len(cut.segments) == 7
     joined = np.concatenate([s.time_s for s in cut.segments])
     assert np.array_equal(joined, problem.segments[0].time_s)
@@ -49,7 +49,7 @@ def test_every_piece_starts_at_its_first_sample(model: Muscle, output: str) -> N
     With the true parameters the zero is known, so all residuals at a piece's start are alike.
     """
     problem = Problem(model, model.parameters(), [ringing(model, output)])
-    cut = PiecewiseProblem(problem, 6)
+    cut = cut_into(problem, 6)
     blocks = list(cut.blocks(cut.started(TRUTH), derivatives=False))
     assert [b.residual[0] for b in blocks[1:]] == pytest.approx([0.0] * 5, abs=1e-9)
 
@@ -58,7 +58,7 @@ def test_pieces_bring_a_motion_back_into_step() -> None:
     """From half the stiffness and a tenth of the damping: M and c2 to 1 %, no noise to limit it."""
     model = Muscle()
     problem = Problem(model, model.parameters(), [ringing(model, "contraction")])
-    cut = PiecewiseProblem(problem, 30)
+    cut = cut_into(problem, 30)
     away = TRUTH | {"M": 2.0 * TRUTH["M"], "c2": 0.1 * TRUTH["c2"], "b1": 1.6}
     z = Objective(cut, {"contraction": 1.0}).solve(cut.started(away), 60).point
     found = dict(zip(problem.parameters.names, cut.theta(z), strict=True))
@@ -73,7 +73,7 @@ def test_states_of_all_pieces_are_found_in_one_solve() -> None:
     """
     model = Muscle()
     problem = Problem(model, model.parameters(), [ringing(model, "contraction")])
-    cut = PiecewiseProblem(problem, 6)
+    cut = cut_into(problem, 6)
     cost = Objective(cut, {"contraction": 1.0})
     started = cost(cut.started(TRUTH))
     assert cost(cut.with_best_states(started)).cost < 1e-6 * started.cost

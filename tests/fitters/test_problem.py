@@ -282,3 +282,23 @@ def test_a_log_whose_outputs_are_missing_at_first_is_not_at_rest() -> None:
     values = np.where(t < 0.5, np.nan, t)
     made = Log.from_arrays(t, {"pressure": np.where(t < 1, 0.0, 9.0), "contraction": values})
     assert not starts_at_rest(made.segments()[0], {"input": 9.0, "contraction": 3.5})
+
+
+def test_other_segments_are_the_same_problem_with_other_states() -> None:
+    """Of two logs the second in two pieces: the first has no zero then, and the later piece begins
+    in motion, with two unknowns of its own."""
+    whole = arc(None, log("one"), log("two"))
+    assert whole.at_rest == [True, True]
+    second = whole.segments[1]
+    pieces = [second.part(slice(0, 20)), second.part(slice(20, None))]
+    found = Problem.with_segments(whole, pieces, [(1, True), (1, False)])
+    assert [one.name for one in found.logs] == ["two"]
+    assert found.owner == [0, 0]
+    assert found.at_rest == [True, False]
+    assert found.size == len(whole.free) + len(found.outputs) + 2
+    assert found.n_samples == sum(int(s.used[n].sum()) for s in pieces for n in found.outputs)
+    assert (found.free, found.zeros) == (whole.free, whole.zeros)
+    assert whole.segments[1] is second
+    assert len(whole.logs) == 2
+    same = Problem.with_segments(whole, whole.segments)
+    assert (same.size, same.at_rest, same.logs) == (whole.size, whole.at_rest, whole.logs)

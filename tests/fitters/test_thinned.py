@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 from softid.fitters import thinned
+from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
@@ -20,12 +21,12 @@ from softid.fitters.thinned import (
     MOST_WINDOWED,
     WINDOWED,
     Lead,
-    ThinnedProblem,
-    WindowedProblem,
+    averaged,
     leads,
     led,
     rough_problem,
     thinning,
+    windows_of,
 )
 from softid.log import Log
 from softid.models.muscle import Muscle
@@ -57,12 +58,12 @@ def test_blocks_are_means_and_count_when_all_samples_do() -> None:
     left_out = np.zeros(len(log), bool)
     left_out[10] = True
     whole = problem_of(log.with_masked(left_out))
-    (segment,), (full,) = ThinnedProblem(whole, 4).segments, whole.segments
+    (segment,), (full,) = averaged(whole, 4).segments, whole.segments
     count = len(log) // 4
     means = full.input[: 4 * count].reshape(count, 4).mean(axis=1)
     np.testing.assert_allclose(segment.input, means, rtol=1e-14)
     assert np.flatnonzero(~segment.used["contraction"]).tolist() == [2]
-    assert ThinnedProblem(whole, 4).size == whole.size
+    assert averaged(whole, 4).size == whole.size
 
 
 def test_short_problems_stay_whole() -> None:
@@ -110,7 +111,7 @@ def test_a_false_optimum_of_windows_is_not_followed_over_all_samples() -> None:
     near = problem.unknowns({name: 1.3 * value for name, value in FAST.items()})
     starts = [far, near, near.copy(), far.copy()]
     windows = rough_problem(problem, near)
-    assert isinstance(windows, WindowedProblem)
+    assert isinstance(windows, PiecewiseProblem)
     found = leads(Objective(problem, {"contraction": 1.0}), starts, windows, 60)
     assert {id(lead.start) for lead in found} == {id(start) for start in starts[:3]}
     assert [lead.is_white for lead in found] == [True, True, False]
@@ -158,7 +159,7 @@ def test_several_logs_are_led_by_windows_of_those_that_move_most() -> None:
     still = replace(gentle.to_log(), name="still")
     problem = Problem(model, model.parameters(), [still, *logs])
     windows = rough_problem(problem, problem.unknowns(FAST))
-    assert isinstance(windows, WindowedProblem)
+    assert isinstance(windows, PiecewiseProblem)
     assert 1 < len(windows.segments) == len(windows.logs) <= MOST_WINDOWED
     assert still.name not in {one.name for one in windows.logs}
     assert windows.n_samples == pytest.approx(WINDOWED, abs=MOST_WINDOWED)
@@ -177,13 +178,16 @@ def test_a_fast_motion_is_led_through_windows() -> None:
     problem = problem_of(steps_every(0.2))
     start = problem.unknowns({name: 1.3 * value for name, value in FAST.items()})
     windows = rough_problem(problem, start)
-    assert isinstance(windows, WindowedProblem)
+    assert isinstance(windows, PiecewiseProblem)
     assert [s.time_s.size for s in windows.segments] == [WINDOWED]
     objective = Objective(problem, {"contraction": 1.0})
     reached = led(objective, start, windows, 30).point
     assert objective(reached).cost < 0.01 * objective(start).cost
     slow = problem.unknowns(FAST | {"c2": 30.0})
-    assert isinstance(rough_problem(problem, slow), ThinnedProblem)
+    blocks = rough_problem(problem, slow)
+    assert blocks is not None
+    sizes = [s.time_s.size for s in averaged(problem, thinning(problem)).segments]
+    assert [s.time_s.size for s in blocks.segments] == sizes
 
 
 def test_two_windows_lead_where_the_middle_rests() -> None:
@@ -192,7 +196,7 @@ def test_two_windows_lead_where_the_middle_rests() -> None:
     made = muscle_log(FAST, Steps(levels, 0.2), noise_mm=0.3, rate_hz=1000.0)
     problem = problem_of(made.to_log())
     windows = rough_problem(problem, problem.unknowns(FAST))
-    assert isinstance(windows, WindowedProblem)
+    assert isinstance(windows, PiecewiseProblem)
     assert [s.time_s.size for s in windows.segments] == [WINDOWED // MOST_PER_LOG] * MOST_PER_LOG
     assert [s.index for s in windows.segments] == [0, 0]
 
@@ -200,7 +204,7 @@ def test_two_windows_lead_where_the_middle_rests() -> None:
 def test_affine_windows_begin_with_the_best_states_from_anywhere() -> None:
     """Zero and initial states stand linearly: one evaluation finds them from 0 as from the data."""
     problem = problem_of(staircase(1000.0))
-    windows = WindowedProblem(problem)
+    windows = windows_of(problem)
     objective = Objective(windows, {"contraction": 1.0})
     plain, measured = windows.free_unknowns(TRUTH), windows.started(TRUTH)
     found, known = (windows.with_best_states(objective(z)) for z in (plain, measured))

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.problem import Block, Problem
+from softid.fitters.blocks import Block
+from softid.fitters.problem import Problem
 from softid.uncertainty.autoregression import fit_ar, run_slices
 
 Array = npt.NDArray[np.float64]
