@@ -104,9 +104,14 @@ def turning_samples(values: Array, reversal: float) -> list[tuple[int, int]]:
 
 def _directions(values: Array, reversal: float) -> npt.NDArray[np.int8]:
     turns = turning_samples(values, reversal)
-    out = np.zeros(values.size, np.int8)
-    stops = [start for start, _ in turns[1:]] + [values.size - 1]
-    for (start, way), stop in zip(turns, stops, strict=True):
-        out[start + 1 : stop + 1] = way
-    out[: turns[0][0] + 1] = turns[0][1]
-    return out
+    turned = [_end_of_plateau(values, start) + 1 for start, _ in turns[1:]]
+    lengths = np.diff([0, *turned, values.size])
+    return np.repeat(np.array([way for _, way in turns], np.int8), lengths)
+
+
+def _end_of_plateau(values: Array, start: int) -> int:
+    """The last of the samples from ``start`` on that are equal."""
+    end = start
+    while end + 1 < values.size and values[end + 1] == values[start]:
+        end += 1
+    return end

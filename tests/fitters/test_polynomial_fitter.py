@@ -149,6 +149,7 @@ def test_branches_ignore_noise_and_keep_plateaus():
     assert np.all(found[8 * 25 :] == -1)
     assert branches(np.full(5, 3.0)).tolist() == [0] * 5
     assert branches([1.0, np.nan, 2.0]).tolist() == [1, 0, 1]
+    assert branches([0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0]).tolist() == [1, 1, 1, 1, -1, -1, 1]
 
 
 def test_without_noise_every_change_is_a_turn():
