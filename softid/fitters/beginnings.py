@@ -32,7 +32,7 @@ LEAST_SAMPLES = 50
 """A beginning is no shorter."""
 
 MOST_STARTS = 2
-"""Start values of each first beginning that are led on."""
+"""Start values of each first beginning that are continued over longer ones."""
 
 
 def beginning_of(whole: Problem, share: float) -> Problem:
@@ -83,7 +83,7 @@ def _travels_enough(problem: Problem, share: float) -> bool:
     return within >= LEAST_WAY * share * way
 
 
-def led_from_beginnings(
+def optima_by_beginnings(
     problem: Problem, sigma: Mapping[str, float]
 ) -> Iterator[tuple[Minimum, int]]:
     """Optima of the whole that start values of beginnings lead to, the best start of each first.
@@ -103,7 +103,7 @@ def led_from_beginnings(
     for rank in range(MOST_STARTS):
         for way, starts in zip(ways, guesses, strict=True):
             if rank < len(starts):
-                yield _led(way, starts[rank].values_dict(), sigma)
+                yield _continued(way, starts[rank].values_dict(), sigma)
 
 
 def _growing(problem: Problem, first: float) -> list[Problem]:
@@ -113,9 +113,10 @@ def _growing(problem: Problem, first: float) -> list[Problem]:
     return [*parts, problem]
 
 
-def _led(
+def _continued(
     way: Sequence[Problem], values: Mapping[str, float], sigma: Mapping[str, float]
 ) -> tuple[Minimum, int]:
+    """The optimum of the last of a sequence of problems, each begun at that of the one before."""
     evaluations = 0
     for part in way:
         search = Objective(part, sigma)

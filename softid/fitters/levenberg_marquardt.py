@@ -22,19 +22,19 @@ from softid.kernels.damped_systems import bounded_step, find_movable, is_still, 
 
 Array = npt.NDArray[np.float64]
 
-BEND_STEP = 0.1
+CURVATURE_STEP = 0.1
 """Fraction of a step at which the second derivative along it is measured."""
 
 SHORT_STEP = 0.1
 """Steps shorter than this share of what is plausible hardly bend: the correction would be a tenth
 of the step or less, which the next one makes good, and to measure it takes a simulation."""
 
-MOST_BEND = 0.75
+MOST_ACCELERATION = 0.75
 """A step whose acceleration is larger than this share of its velocity is too long to trust."""
 
-LESS_BEND = 0.9
-"""A step that bent too much is shortened to this share of what `MOST_BEND` allows: the share grows
-with the length of the step, but turns with its direction too."""
+LESS_ACCELERATION = 0.9
+"""A step that bent too much is shortened to this share of what `MOST_ACCELERATION` allows: the
+share grows with the length of the step, but turns with its direction too."""
 
 MOST_SHORTENED = 0.1
 """Share of a step that is left at least: what bends without end may be one place only."""
@@ -145,7 +145,7 @@ def minimise(
     *,
     evaluations: int,
     tolerance: float,
-    bend: Callable[[Array, Array, NormalEquations], Array | None] | None = None,
+    second_derivative: Callable[[Array, Array, NormalEquations], Array | None] | None = None,
     damping: float | None = None,
 ) -> Minimum:
     """Minimise ½‖r(z)‖² within bounds.
@@ -163,7 +163,7 @@ def minimise(
         Limit of evaluations.
     tolerance
         Stop when `attainable_offset` falls below it.
-    bend
+    second_derivative
         (z, v, normal) → Jᵀ∂²ŷ/∂v², the second derivative of the simulated response along v seen
         from the parameters, shape (U,); None, or a None result, for no acceleration.
     damping
@@ -190,18 +190,18 @@ def minimise(
         trial = np.empty(z.size)
         places = lower, upper, now.matrix, now.gradient, trial
         longest, predicted = bounded_step(z, step, reach, LARGEST_STEP, *places)
-        if bend is not None and longest > SHORT_STEP:
-            pull = bend(z, step, now)
+        if second_derivative is not None and longest > SHORT_STEP:
+            pull = second_derivative(z, step, now)
             used += 1
             if pull is not None:
                 correction = -0.5 * _solved(now.matrix, ridge, pull, moving)
                 with np.errstate(over="ignore"):  # a correction beyond all numbers is too large
                     share = _length(scale * correction) / _length(scale * step)
-                if 2.0 * share <= MOST_BEND:
+                if 2.0 * share <= MOST_ACCELERATION:
                     trial = within(z + step + correction, lower, upper)
                 else:
                     length = _length((scale * step)[moving])
-                    least = LESS_BEND * MOST_BEND / (2.0 * share)
+                    least = LESS_ACCELERATION * MOST_ACCELERATION / (2.0 * share)
                     shorter = max(least, MOST_SHORTENED) * length
                     damping = _damping_for(now, moving, unit, damping, shorter)
                     growth = 2.0

@@ -180,7 +180,7 @@ def _summed_at_best_zeros(
     return Linearised(moved, cost, gradient, matrix, n, tuple(pieces), plans, problem)
 
 
-def bend(
+def second_derivative(
     problem: Problem,
     at: Linearised,
     z: Array,

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import (
-    BEND_STEP,
+    CURVATURE_STEP,
     Minimum,
     NormalEquations,
     minimise,
@@ -19,9 +19,9 @@ from softid.fitters.levenberg_marquardt import (
 from softid.fitters.normal_equations import (
     SUMMED_ENTRIES,
     Linearised,
-    bend,
     linearise,
     means_of,
+    second_derivative,
 )
 from softid.fitters.problem import Problem
 from softid.models.division import Division
@@ -102,7 +102,7 @@ class Objective:
         self._last: Linearised | None = None
         self._asked = np.empty(0)  # where the last was asked for, before its zeros moved
         self._weighted: dict[str, float] = {}
-        self._bends = True
+        self._accelerates = True
         self._planned: tuple[Array, list[Division | None]] | None = None
 
     def __call__(self, z: Array) -> NormalEquations:
@@ -144,7 +144,7 @@ class Objective:
         return found
 
     def _kept(self, *, columns: bool) -> Keep:
-        if not (columns or self._bends):
+        if not (columns or self._accelerates):
             return NO_COLUMNS
         if self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES):
             return ALL_COLUMNS
@@ -208,12 +208,14 @@ class Objective:
         weight[len(self.problem.free) :] = 0.0
         self.prior = Prior(centre, weight)
 
-    def bend(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
+    def second_derivative(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where a Jacobian that no kernel sums was not kept."""
         if not isinstance(normal, Linearised) or not (normal.kept or normal.affine):
             return None
         self.evaluations += 1 if normal.kept else 2
-        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
+        return second_derivative(
+            self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=CURVATURE_STEP
+        )
 
     def solve(
         self,
@@ -221,7 +223,7 @@ class Objective:
         evaluations: int,
         *,
         tolerance: float = RESTING_OFFSET,
-        bends: bool = True,
+        accelerates: bool = True,
         damping: float | None = None,
     ) -> Minimum:
         """Minimise from a start, planning the substeps anew until the plan stays.
@@ -234,8 +236,8 @@ class Objective:
             Limit of evaluations of each run.
         tolerance
             As in `minimise`; a rough one needs no second plan.
-        bends
-            Whether long steps follow their bend.
+        accelerates
+            Whether long steps have a geodesic acceleration.
         damping
             That of a run that goes on; None begins anew.
         """
@@ -244,18 +246,18 @@ class Objective:
         rough = evaluations <= SCOUT_EVALUATIONS or tolerance > RESTING_OFFSET
 
         def run(point: Array, aim: float, damping: float | None) -> Minimum:
-            bend = self.bend if bends else None
+            along = self.second_derivative if accelerates else None
             return minimise(
                 self,
                 point,
                 *limits,
                 evaluations=evaluations,
                 tolerance=aim,
-                bend=bend,
+                second_derivative=along,
                 damping=damping,
             )
 
-        self._bends = bends
+        self._accelerates = accelerates
         point = np.clip(start, lower, upper)
         self.plans = self._plans(point)
         sums_first = not rough and self._entries > CHEAP_ENTRIES

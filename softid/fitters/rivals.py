@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.beginnings import informative_beginning, led_from_beginnings
+from softid.fitters.beginnings import informative_beginning, optima_by_beginnings
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.multiple_shooting import PiecewiseProblem, cut_into
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
@@ -32,7 +32,7 @@ from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
-_Led = tuple[float, Mapping[str, float]]
+_Ended = tuple[float, Mapping[str, float]]
 """The cost at the end of a run, and the parameters there."""
 
 SAMPLES_TO_SEARCH = 20_000
@@ -128,7 +128,7 @@ def best_rival(
         return point, search.evaluations
     if not has_structure(problem, point):
         return point, search.evaluations
-    if not (_rings(problem, point) or swings(problem, point)):
+    if not (_rings(problem, point) or residual_oscillates(problem, point)):
         return point, search.evaluations
     part = informative_beginning(problem, SAMPLES_TO_SEARCH)
     if part is problem:
@@ -155,7 +155,7 @@ def _ringing_rival(
 ) -> tuple[Array, int]:
     """A point that costs less, by way of beginnings and pieces, or the same one; evaluations."""
     used = 0
-    for ended, taken in led_from_beginnings(problem, sigma):
+    for ended, taken in optima_by_beginnings(problem, sigma):
         used += taken
         if ended.normal.cost < cost:
             point, cost = ended.point, ended.normal.cost
@@ -167,7 +167,7 @@ def _ringing_rival(
 
 
 class _Ladder:
-    """Starts that ring, led through pieces that grow longer."""
+    """Starts that ring, continued over pieces that grow longer."""
 
     def __init__(self, problem: Problem, sigma: Mapping[str, float]) -> None:
         self.problem = problem
@@ -188,56 +188,56 @@ class _Ladder:
         cut, *longer = (cut_into(problem, count) for count in PIECE_COUNTS)
         starts = [(incumbent, SCOUT_EVALUATIONS)]
         starts += [(start.values_dict(), SORTING_EVALUATIONS) for start in rings]
-        own, *others = self._all_led(cut, starts)
+        own, *others = self._each_fitted(cut, starts)
         limit = WORTH_PURSUING * own[0]
         ranked = sorted([own, *others], key=lambda row: row[0])
         reached: list[list[float]] = [[] for _ in longer]
         for short, values in ranked[:MOST_PURSUED]:
             if short > limit:
                 break
-            led = self._led_on(longer, values, reached)
-            if led is None:
+            values_there = self._continued(longer, values, reached)
+            if values_there is None:
                 continue
-            ended = self._solved(problem, problem.unknowns(led), SCOUT_EVALUATIONS)
+            ended = self._solved(problem, problem.unknowns(values_there), SCOUT_EVALUATIONS)
             if ended.normal.cost < cost:
                 point, cost = ended.point, ended.normal.cost
                 if not has_structure(problem, point):
                     break
         return point
 
-    def _all_led(
+    def _each_fitted(
         self, pieces: PiecewiseProblem, starts: Sequence[tuple[Mapping[str, float], int]]
-    ) -> list[_Led]:
-        """Each of the starts led through the pieces, side by side."""
+    ) -> list[_Ended]:
+        """The fit to the pieces from each of the starts, side by side."""
 
-        def led(start: tuple[Mapping[str, float], int]) -> tuple[_Led, int]:
+        def fitted(start: tuple[Mapping[str, float], int]) -> tuple[_Ended, int]:
             alone = _Ladder(self.problem, self.sigma)
-            return alone._led(pieces, *start), alone.evaluations
+            return alone._fitted(pieces, *start), alone.evaluations
 
-        found = in_parallel(led, starts)
+        found = in_parallel(fitted, starts)
         self.evaluations += sum(taken for _, taken in found)
         return [row for row, _ in found]
 
-    def _led_on(
+    def _continued(
         self,
         longer: Sequence[PiecewiseProblem],
         values: Mapping[str, float],
         reached: Sequence[list[float]],
     ) -> Mapping[str, float] | None:
-        """Where the longer pieces lead; None where another start has come by the same point."""
+        """The fit to ever longer pieces; None where another start has come by the same point."""
         for pieces, costs in zip(longer, reached, strict=True):
-            cost, values = self._led(pieces, values, SCOUT_EVALUATIONS)
+            cost, values = self._fitted(pieces, values, SCOUT_EVALUATIONS)
             if any(abs(cost - other) <= SAME_COST * other for other in costs):
                 return None
             costs.append(cost)
         return values
 
-    def _led(
+    def _fitted(
         self,
         pieces: PiecewiseProblem,
         values: Mapping[str, float],
         evaluations: int,
-    ) -> _Led:
+    ) -> _Ended:
         at_first_samples = Objective(pieces, self.sigma)(pieces.started(values))
         self.evaluations += 1
         ended = self._solved(pieces, pieces.with_best_states(at_first_samples), evaluations)
@@ -283,7 +283,7 @@ def _rings(problem: Problem, z: Array) -> bool:
     return any(ratio is not None and ratio < 1.0 for ratio in ratios)
 
 
-def swings(problem: Problem, z: Array) -> bool:
+def residual_oscillates(problem: Problem, z: Array) -> bool:
     """Whether the autocorrelation of the residual falls and rises again, as that of ringing does.
 
     What a static curve or a decay leaves behind drifts, and its autocorrelation only falls. What

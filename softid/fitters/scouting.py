@@ -12,7 +12,7 @@ from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.noise_level import at_noise_level
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
-from softid.fitters.thinned import Lead, leads, led, rough_problem
+from softid.fitters.thinned import WarmStart, rough_problem, warm_start, warm_starts
 from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
@@ -51,8 +51,8 @@ def searched(
     if starts and far:
         rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
     points = [objective.problem.unknowns(start, with_zeros=False) for start in starts]
-    first_led = leads(objective, points, rough, most) if rough is not None else []
-    begins: Sequence[Array | Lead] = [*first_led, *points[len(first_led) :]]
+    warm = warm_starts(objective, points, rough, most) if rough is not None else []
+    begins: Sequence[Array | WarmStart] = [*warm, *points[len(warm) :]]
     scouted: list[tuple[Minimum, Array]] = []
     for begin, end in itertools.pairwise([0, *range(first, len(starts), SCOUTS), len(starts)]):
         limit = most if begin == 0 and alone_if_white else SCOUT_EVALUATIONS
@@ -68,7 +68,7 @@ def searched(
 
 def scouts(
     objective: Objective,
-    begins: Sequence[Array | Lead],
+    begins: Sequence[Array | WarmStart],
     limit: int,
     rough: Problem | None = None,
 ) -> list[tuple[Minimum, Array]]:
@@ -81,22 +81,24 @@ def scouts(
     objective
         What they minimise; it goes on from the last evaluation of the best one.
     begins
-        Unknowns of shape (U,), or where such a start has been led already.
+        Unknowns of shape (U,), or warm starts that are known already.
     limit
         Evaluations of each.
     rough
         A problem of fewer samples that leads the way.
     """
 
-    def run(begin: Array | Lead) -> tuple[Minimum, Array, Objective]:
+    def run(begin: Array | WarmStart) -> tuple[Minimum, Array, Objective]:
         own = Objective(objective.problem, objective.sigma)
-        if isinstance(begin, Lead):
-            lead = begin
+        if isinstance(begin, WarmStart):
+            warm = begin
         else:
-            lead = Lead(begin, begin) if rough is None else led(own, begin, rough, limit)
+            warm = (
+                WarmStart(begin, begin) if rough is None else warm_start(own, begin, rough, limit)
+            )
         own.prior = objective.prior
-        found = own.solve(lead.point, limit, damping=lead.damping)
-        return found, lead.start, own
+        found = own.solve(warm.point, limit, damping=warm.damping)
+        return found, warm.start, own
 
     rows = in_parallel(run, begins, small=True)
     objective.evaluations += sum(own.evaluations for _, _, own in rows)

@@ -181,7 +181,7 @@ def default_window_s(stretches: Sequence[Stretch], where: str) -> float:
     """
     half_periods = []
     for s in stretches:
-        turns = [k for k, _ in _swings(s.x)]
+        turns = [k for k, _ in _turning_points(s.x)]
         if len(turns) > 1:
             half_periods.append(float(np.median(np.diff(s.time_s[turns]))))
     if not half_periods:
@@ -193,7 +193,7 @@ def default_window_s(stretches: Sequence[Stretch], where: str) -> float:
     return 2.0 * float(np.median(half_periods)) / WINDOWS_PER_PERIOD
 
 
-def _swings(x: Array) -> list[tuple[int, int]]:
+def _turning_points(x: Array) -> list[tuple[int, int]]:
     """Extremes with a swing on both sides, and the direction after each."""
     return turning_samples(x, PROMINENCE * float(np.ptp(x)))[1:]
 
@@ -209,7 +209,7 @@ def _extremes_of(s: Stretch, window_s: float) -> list[tuple[float, float, float,
         return []
     smooth = local_derivatives(s.time_s, s.x, window_s=seek_s).value
     rows = []
-    for k, heading in _swings(smooth):
+    for k, heading in _turning_points(smooth):
         near_s = float(s.time_s[k])
         if not s.time_s[0] + seek_s <= near_s <= s.time_s[-1] - seek_s:
             continue

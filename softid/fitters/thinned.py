@@ -65,7 +65,7 @@ own initial states."""
 ROUGH_TOLERANCE = 0.1
 """`attainable_offset` at which a run over fewer samples ends: their optimum is another one."""
 
-LEADERS = 2
+AT_A_TIME = 2
 """Starts that go through the windows at a time."""
 
 LEAST_BLOCKS = 20
@@ -73,19 +73,19 @@ LEAST_BLOCKS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Lead:
-    """Where a rough problem leads from a start.
+class WarmStart:
+    """Where a run over all samples begins, after one over fewer of them from a start.
 
     Attributes
     ----------
     start
         The start, unknowns of the whole problem, shape (U,).
     point
-        Where it leads, the start itself if nowhere, shape (U,).
+        The optimum over fewer samples, the start itself without one, shape (U,).
     damping
         With which a run over all samples goes on; None where it begins anew.
     cost
-        That of the rough problem there; infinite if nowhere.
+        That of the rough problem there; infinite without one.
     is_white
         Whether the rough problem is explained down to white noise there, as in `at_noise_level`.
     """
@@ -188,8 +188,8 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     return bool(times_s) and LASTING * max(times_s) <= shortest_s
 
 
-def led(objective: Objective, start: Array, problem: Problem, evaluations: int) -> Lead:
-    """Go through a rough problem from a start.
+def warm_start(objective: Objective, start: Array, problem: Problem, evaluations: int) -> WarmStart:
+    """The warm start that a rough problem gives from a start.
 
     Parameters
     ----------
@@ -213,21 +213,21 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
     found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
-        return Lead(start, start)
+        return WarmStart(start, start)
     damping = found.damping
     if damping is not None:
         damping *= whole.n_samples / max(problem.n_samples, 1)
     if not isinstance(problem, PiecewiseProblem):
-        return Lead(start, found.point, damping, found.normal.cost)
+        return WarmStart(start, found.point, damping, found.normal.cost)
     point = whole.unknowns(problem.values(found.point), with_zeros=False)
     is_white = at_noise_level(problem, found)
-    return Lead(start, point, damping, found.normal.cost, is_white)
+    return WarmStart(start, point, damping, found.normal.cost, is_white)
 
 
-def leads(
+def warm_starts(
     objective: Objective, starts: Sequence[Array], problem: Problem, evaluations: int
-) -> list[Lead]:
-    """The first starts gone through windows, the best first; none without windows.
+) -> list[WarmStart]:
+    """Warm starts from the first starts by windows, the best first; none without windows.
 
     All but those that follow one which explains its windows down to white noise. Over all samples,
     the way from a false optimum of the first would be long.
@@ -235,23 +235,23 @@ def leads(
     Parameters
     ----------
     objective, problem, evaluations
-        As in `led`.
+        As in `warm_start`.
     starts
         Unknowns of the whole problem.
     """
     if not isinstance(problem, PiecewiseProblem):
         return []
 
-    def run(start: Array) -> tuple[Lead, int]:
+    def run(start: Array) -> tuple[WarmStart, int]:
         own = Objective(objective.problem, objective.sigma)
-        return led(own, start, problem, evaluations), own.evaluations
+        return warm_start(own, start, problem, evaluations), own.evaluations
 
     rows = [run(starts[0])]
-    while len(rows) < len(starts) and not any(lead.is_white for lead, _ in rows):
-        rows += in_parallel(run, starts[len(rows) :][:LEADERS], small=True)
+    while len(rows) < len(starts) and not any(warm.is_white for warm, _ in rows):
+        rows += in_parallel(run, starts[len(rows) :][:AT_A_TIME], small=True)
     objective.evaluations += sum(spent for _, spent in rows)
-    found = [lead for lead, _ in rows]
-    return sorted(found, key=lambda lead: lead.cost)
+    found = [warm for warm, _ in rows]
+    return sorted(found, key=lambda warm: warm.cost)
 
 
 def _steps(problem: Problem, z: Array) -> int:

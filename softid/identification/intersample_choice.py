@@ -209,7 +209,7 @@ def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> boo
     wanted = misfit - by
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
-        there = looking.solve(unknowns, FIRST_EVALUATIONS, bends=False).normal
+        there = looking.solve(unknowns, FIRST_EVALUATIONS, accelerates=False).normal
         if np.isfinite(there.cost) and promised(there) > wanted:
             return False
     values = problem.values(unknowns)

@@ -148,4 +148,4 @@ def _is_white(part: Problem, unknowns: Array) -> bool:
 
 def _left(part: Problem, start: Array, evaluations: int) -> NormalEquations:
     objective = Objective(part, dict.fromkeys(part.outputs, 1.0))
-    return objective.solve(start, evaluations, bends=False).normal
+    return objective.solve(start, evaluations, accelerates=False).normal

@@ -60,7 +60,7 @@ STAGES: tuple[tuple[str, ModuleType | type, tuple[str, ...]], ...] = (
     ("problem", workflow, ("Problem", "fitted_range")),
     ("simpler model", Muscle, ("limit",)),
     ("search, optimiser", workflow, ("output_error",)),
-    ("of which pieces of the log", scouting, ("rough_problem", "leads")),
+    ("of which pieces of the log", scouting, ("rough_problem", "warm_starts")),
     ("of which runs over all of it", scouting, ("scouts",)),
     ("of which whether noise is left", scouting, ("at_noise_level",)),
     (

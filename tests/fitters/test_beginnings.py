@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import softid.fitters.rivals as rivals
-from softid.fitters.beginnings import beginning_of, informative_beginning, led_from_beginnings
+from softid.fitters.beginnings import beginning_of, informative_beginning, optima_by_beginnings
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
@@ -80,7 +80,7 @@ def test_the_beginning_leads_to_the_optimum(whole: Problem) -> None:
     """As good as a start at the truth, to a thousandth of its cost."""
     sigma = {"contraction": 1.0}
     known = Objective(whole, sigma).solve(whole.unknowns(HARDENING), 400).normal.cost
-    costs = [ended.normal.cost for ended, _ in led_from_beginnings(whole, sigma)]
+    costs = [ended.normal.cost for ended, _ in optima_by_beginnings(whole, sigma)]
     assert min(costs) == pytest.approx(known, rel=1e-3)
 
 
@@ -95,5 +95,5 @@ def test_a_fit_without_beginnings_is_lost(whole: Problem, monkeypatch: pytest.Mo
         return found.cost / known.normal.cost
 
     assert cost() == pytest.approx(1.0, abs=1e-4)
-    monkeypatch.setattr(rivals, "led_from_beginnings", lambda problem, sigma: iter(()))
+    monkeypatch.setattr(rivals, "optima_by_beginnings", lambda problem, sigma: iter(()))
     assert cost() > 10.0

@@ -216,6 +216,6 @@ def test_a_correction_beyond_all_numbers_is_left_out() -> None:
         np.full(2, 3.0),
         evaluations=200,
         tolerance=1e-8,
-        bend=lambda z, step, now: np.full(2, 1e200) if np.abs(z).max() < 1.0 else None,
+        second_derivative=lambda z, step, now: np.full(2, 1e200) if np.abs(z).max() < 1.0 else None,
     )
     assert found.point == pytest.approx([4.0, -3.0], rel=1e-6)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.fitters.normal_equations import _at_best_zeros, bend, linearise
+from softid.fitters.normal_equations import _at_best_zeros, linearise, second_derivative
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.muscle import Muscle
@@ -167,12 +167,12 @@ def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> No
     there = p.blocks(moved + 0.1 * step, derivatives=False, plans=plans)
     residual = np.concatenate([b.residual / sigma[b.channel] for b in there])
     expected = j.T @ (2.0 / 0.01 * (r - residual - 0.1 * j @ step))
-    found = bend(p, at, at.point, step, sigma, plans=plans, fraction=0.1)
+    found = second_derivative(p, at, at.point, step, sigma, plans=plans, fraction=0.1)
     assert found is not None
     np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
     summed = linearise(p, z, sigma, plans=plans, keep=NO_COLUMNS)
     assert summed.kept == (name == "geometry")  # a distance, nonlinear in x, is never only summed
-    again = bend(p, summed, summed.point, step, sigma, plans=plans, fraction=0.1)
+    again = second_derivative(p, summed, summed.point, step, sigma, plans=plans, fraction=0.1)
     assert again is not None
     np.testing.assert_allclose(again, expected, atol=1e-6 * np.abs(expected).max())
 

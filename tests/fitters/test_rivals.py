@@ -15,7 +15,7 @@ from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
-from softid.fitters.rivals import best_rival, has_structure, swings
+from softid.fitters.rivals import best_rival, has_structure, residual_oscillates
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.synthesis import muscle_log, random_muscle_truth
@@ -208,7 +208,7 @@ def left_behind(residual: np.ndarray, pressure: np.ndarray) -> Problem:
 def swings_left(residual: np.ndarray, pressure: np.ndarray) -> bool:
     left = left_behind(residual, pressure)
     assert has_structure(left, left.unknowns(STATIC))
-    return swings(left, left.unknowns(STATIC))
+    return residual_oscillates(left, left.unknowns(STATIC))
 
 
 def test_a_drift_does_not_swing_and_ringing_does() -> None:

@@ -20,12 +20,12 @@ from softid.fitters.thinned import (
     MOST_PER_LOG,
     MOST_WINDOWED,
     WINDOWED,
-    Lead,
+    WarmStart,
     averaged,
-    leads,
-    led,
     rough_problem,
     thinning,
+    warm_start,
+    warm_starts,
     windows_of,
 )
 from softid.log import Log
@@ -112,12 +112,12 @@ def test_a_false_optimum_of_windows_is_not_followed_over_all_samples() -> None:
     starts = [far, near, near.copy(), far.copy()]
     windows = rough_problem(problem, near)
     assert isinstance(windows, PiecewiseProblem)
-    found = leads(Objective(problem, {"contraction": 1.0}), starts, windows, 60)
-    assert {id(lead.start) for lead in found} == {id(start) for start in starts[:3]}
-    assert [lead.is_white for lead in found] == [True, True, False]
+    found = warm_starts(Objective(problem, {"contraction": 1.0}), starts, windows, 60)
+    assert {id(warm.start) for warm in found} == {id(start) for start in starts[:3]}
+    assert [warm.is_white for warm in found] == [True, True, False]
     assert found[2].cost > 1.1 * found[0].cost
-    alone = leads(Objective(problem, {"contraction": 1.0}), starts[1:], windows, 60)
-    assert [id(lead.start) for lead in alone] == [id(near)]
+    alone = warm_starts(Objective(problem, {"contraction": 1.0}), starts[1:], windows, 60)
+    assert [id(warm.start) for warm in alone] == [id(near)]
     whole = output_error(problem, [problem.values(s) for s in starts], rng=np.random.default_rng(0))
     assert whole.start.tolist() != far.tolist()
     assert whole.status.success
@@ -134,14 +134,14 @@ def test_starts_go_through_windows_on_no_more_cores_than_there_are(
     assert windows is not None
     threads: list[int] = []
 
-    def nowhere(objective: Objective, start: Array, *_: object) -> Lead:
+    def nowhere(objective: Objective, start: Array, *_: object) -> WarmStart:
         threads.append(threading.get_ident())
-        return Lead(start, start)
+        return WarmStart(start, start)
 
     monkeypatch.setattr(sharing, "usable_cores", lambda: cores)
-    monkeypatch.setattr(thinned, "led", nowhere)
+    monkeypatch.setattr(thinned, "warm_start", nowhere)
     starts = [near.copy() for _ in range(3)]
-    found = leads(Objective(problem, {"contraction": 1.0}), starts, windows, 9)
+    found = warm_starts(Objective(problem, {"contraction": 1.0}), starts, windows, 9)
     assert len(found) == len(threads) == 3
     assert threads[0] == threading.get_ident()
     assert (set(threads) == {threading.get_ident()}) is (cores == 1)
@@ -181,7 +181,7 @@ def test_a_fast_motion_is_led_through_windows() -> None:
     assert isinstance(windows, PiecewiseProblem)
     assert [s.time_s.size for s in windows.segments] == [WINDOWED]
     objective = Objective(problem, {"contraction": 1.0})
-    reached = led(objective, start, windows, 30).point
+    reached = warm_start(objective, start, windows, 30).point
     assert objective(reached).cost < 0.01 * objective(start).cost
     slow = problem.unknowns(FAST | {"c2": 30.0})
     blocks = rough_problem(problem, slow)

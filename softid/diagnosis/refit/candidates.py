@@ -170,9 +170,9 @@ class WhitenedObjective(Objective):
         whitened = replace(found, cost=cost, gradient=gradient, matrix=matrix, n=n)
         return self._with_prior(whitened)
 
-    def bend(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
+    def second_derivative(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
         """Geodesic acceleration for white noise; None, so no correction, for whitened residuals."""
-        return super().bend(z, step, normal) if self.whitener is None else None
+        return super().second_derivative(z, step, normal) if self.whitener is None else None
 
 
 def prior_about(
@@ -304,7 +304,7 @@ def advance(
         reach_of(candidate.problem),
         evaluations=evaluations,
         tolerance=tolerance,
-        bend=None if straight else objective.bend,
+        second_derivative=None if straight else objective.second_derivative,
         damping=candidate.minimum.damping,
     )
     return replace(candidate, minimum=found)
