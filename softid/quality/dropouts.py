@@ -49,6 +49,10 @@ LONGEST_SENTINEL_S = 2.0
 """Time that an exact sentinel may last, as of a loose plug; a longer one may be where the channel
 stands still."""
 
+FEWEST_CODED, MOST_CODED = 5, 0.8
+"""Sentinels of one value, and their share of the samples with that value, from which it is a code:
+then it is no reading where the channel happens to be near it, either."""
+
 GLITCH_OF_HOLD = 0.05
 """Longest glitch of a command as a share of its usual hold."""
 
@@ -73,7 +77,8 @@ def find_dropouts(trace: Trace) -> tuple[Dropout, ...]:
     side, by more than 6 times what 95 % of the samples do and than the channel moves nearby, by
     more than 3 % of the range and 5 quantisation steps, while the neighbours agree. It may last 3
     samples (or holds), longer only when it is an exact sentinel: 0, the extreme value, or one that
-    returns elsewhere. In a command they are changes of level for up to 4 samples.
+    returns elsewhere. Where a sentinel is a drop-out nearly every time, it is one every time. In a
+    command they are changes of level for up to 4 samples.
     """
     missing = _missing(trace)
     runs = Runs.of(trace.values)
@@ -160,7 +165,25 @@ def _excursions(trace: Trace, runs: Runs) -> list[Dropout]:
         if short or (told and lasting_s <= LONGEST_SENTINEL_S):
             value = float(runs.value[k])
             found.append(_dropout(trace, int(runs.start[k]), int(runs.stop[k]), value, cause))
-    return found
+    return [*found, *_of_known_codes(trace, runs, found)]
+
+
+def _of_known_codes(trace: Trace, runs: Runs, found: list[Dropout]) -> list[Dropout]:
+    """Runs of a value that stands for a drop-out nearly wherever it occurs, found or not."""
+    more = []
+    sentinels = [d for d in found if d.cause == "sentinel" and d.value is not None]
+    known = {d.start for d in found}
+    for value in sorted({d.value for d in sentinels if d.value is not None}):
+        lengths = [d.stop - d.start for d in sentinels if d.value == value]
+        same = np.flatnonzero(runs.value == value)
+        is_code = sum(lengths) >= MOST_CODED * runs.length[same].sum()
+        if is_code and len(lengths) >= FEWEST_CODED:
+            more += [
+                _dropout(trace, int(runs.start[k]), int(runs.stop[k]), value, "sentinel")
+                for k in same
+                if int(runs.start[k]) not in known
+            ]
+    return more
 
 
 def _far_off(values: Array, runs: Runs) -> IntArray:

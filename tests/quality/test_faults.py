@@ -52,6 +52,33 @@ def test_a_sentinel(sentinel: float) -> None:
     assert {d.cause for d in found} == {"sentinel"}
 
 
+@pytest.mark.parametrize("stands_at_zero", [False, True])
+def test_a_code_is_one_where_the_channel_passes_it(stands_at_zero: bool) -> None:
+    """A loose plug reads 0 in 1 of 50 samples of a swing through 0: all of them are drop-outs, near
+    the crossings, too. Where the channel stands at 0 for half of the time, it is none there.
+    """
+    log = staircase_log()
+    rng = np.random.default_rng(4)
+    lost = rng.choice(len(log), len(log) // 50, replace=False)
+    swing = np.sin(np.arange(len(log)) / 90.0) + 1e-3 * rng.standard_normal(len(log))
+    stands = swing <= 0.0
+
+    def fault(values: np.ndarray) -> np.ndarray:
+        values[:] = np.where(stands, 0.0, swing) if stands_at_zero else swing
+        values[lost] = 0.0
+        return values
+
+    found = dropout_mask(with_fault(log, "angle", fault))
+    if stands_at_zero:
+        assert not found[stands].any()
+        assert found[lost[swing[lost] > 0.2]].all()
+    else:
+        assert np.abs(swing[lost]).min() < 0.06  # less than any spike that is told by itself
+        assert found[lost].all()
+        others = np.setdiff1d(np.flatnonzero(found), lost)  # one between two that are lost
+        assert np.isin([others - 1, others + 1], lost).all()
+
+
 def test_missing_samples() -> None:
     """NaN is a drop-out without a value, expected between its neighbours."""
 
