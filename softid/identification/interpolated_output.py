@@ -29,6 +29,10 @@ LARGE_QUANTILE, STRAIGHT_SHARE = 0.95, 0.01
 """A sample lies on the line through its neighbours when it is off by less than this share of how
 far one in twenty is: noise and curves come so near by chance in one of sixty samples."""
 
+EXACT = 0.05
+"""Share of that distance within which half of the samples on a line lie where they were
+interpolated, or within the step of their rounding: noise near a line is as far off as may be."""
+
 STILL_BEND = 1e-6
 """Where the neighbours differ by less than this share of the range nothing moves."""
 
@@ -141,7 +145,7 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     count = int(moving.sum())
     if count < MOVING * moving.size or straight.sum() < LEAST_SHARE * count:
         return nothing
-    if _is_rounded(values[inner], straight, moving):
+    if _is_by_chance(time_s, values, straight) or _is_rounded(values[inner], straight, moving):
         return nothing
     lengths = _runs(straight)
     if np.mean(np.abs(lengths - np.median(lengths)) <= 1) < LEAST_EVEN_RUNS:
@@ -160,11 +164,29 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
 
 def _on_lines(time_s: Array, values: Array, at: IntArray) -> tuple[BoolArray, BoolArray]:
     """Which of some samples lie on the line through their neighbours, and which move at all."""
-    before_s, after_s = time_s[at] - time_s[at - 1], time_s[at + 1] - time_s[at]
-    line = (values[at - 1] * after_s + values[at + 1] * before_s) / (before_s + after_s)
-    off = np.abs(values[at] - line)
+    off = _off_lines(time_s, values, at)
     moving = np.abs(values[at + 1] - values[at - 1]) > STILL_BEND * float(np.ptp(values))
     return (off < STRAIGHT_SHARE * float(np.quantile(off, LARGE_QUANTILE))) & moving, moving
+
+
+def _off_lines(time_s: Array, values: Array, at: IntArray) -> Array:
+    """How far some samples are off the lines through their neighbours."""
+    before_s, after_s = time_s[at] - time_s[at - 1], time_s[at + 1] - time_s[at]
+    line = (values[at - 1] * after_s + values[at + 1] * before_s) / (before_s + after_s)
+    off: Array = np.abs(values[at] - line)
+    return off
+
+
+def _is_by_chance(time_s: Array, values: Array, straight: BoolArray) -> bool:
+    """Whether samples are further off their lines than rounding puts what was interpolated.
+
+    A few quick bends make the distance large below which a sample counts as straight, and where
+    the motion is slow or on a ramp that is more than the noise.
+    """
+    off = _off_lines(time_s, values, np.arange(1, values.size - 1))
+    near = STRAIGHT_SHARE * float(np.quantile(off, LARGE_QUANTILE))
+    grid = find_quantisation(values[1:-1][straight])
+    return float(np.median(off[straight])) > max(EXACT * near, 0.0 if grid is None else grid.step)
 
 
 def _is_rounded(values: Array, straight: BoolArray, moving: BoolArray) -> bool:

@@ -44,6 +44,19 @@ def test_one_sample_a_reading_stays(reading_hz: float, noise: float) -> None:
         assert np.mean(np.flatnonzero(kept) % int(RATE_HZ / reading_hz) == 0) > 0.99
 
 
+@pytest.mark.parametrize("noise", [0.05, 0.1])
+def test_slow_readings_of_ramps_with_a_few_quick_bends_have_none(noise: float) -> None:
+    """Ramps that last for twenty readings, with noise, and a quick swing at the end, beside whose
+    bends the noise is so small that every reading of a ramp seems to lie on it exactly."""
+    read_s = 0.2 * np.arange(240)
+    ramps = 20.0 * np.abs((read_s / 8.0) % 1.0 - 0.5)
+    swing = 40.0 * np.sin(9.0 * read_s) * (read_s > 40.0)
+    for seed in range(3):
+        noisy = noise * np.random.default_rng(seed).standard_normal(read_s.size)
+        channels = {"pressure": read_s, "angle": ramps + swing + noisy}
+        assert not interpolated_samples(Log.from_arrays(read_s, channels)).any()
+
+
 @pytest.mark.parametrize("hidden", [[], ["sensor_clipping"], ["coulomb_friction"]])
 def test_what_was_sampled_has_none(hidden: list[str]) -> None:
     """Noise, rests, limits and the corners of dry friction are no interpolation."""
