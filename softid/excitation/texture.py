@@ -235,7 +235,9 @@ def _fitted_step(distinct: Array, increments: Array, candidate: float) -> float 
     return step if share >= LATTICE_SHARE else None
 
 
-def find_hold(time_s: Array, values: Array, step: float | None) -> SampleHold | None:
+def find_hold(
+    time_s: Array, values: Array, step: float | None, *, may_be_set: bool = True
+) -> SampleHold | None:
     """Recognise a channel that repeats its samples.
 
     What follows after a jump tells: a held channel stays exactly where it is. A fine-grained one
@@ -250,6 +252,8 @@ def find_hold(time_s: Array, values: Array, step: float | None) -> SampleHold | 
         Samples, shape (n,), without NaN.
     step
         Quantisation step of the channel, or None.
+    may_be_set
+        Whether somebody may have set the levels, as those of a staircase.
 
     Returns
     -------
@@ -260,20 +264,24 @@ def find_hold(time_s: Array, values: Array, step: float | None) -> SampleHold | 
     regular = _regular_hold(values, step)
     if regular is not None:
         hold_s = regular * float(np.median(np.diff(time_s)))
-        return _sensor_hold(time_s, values, float(regular), hold_s)
+        return _sensor_hold(time_s, values, float(regular), hold_s, may_be_set=may_be_set)
     found = _find_repetition(time_s, values, step)
     if found is None or found.by_dead_band:
         return None
     kept = found.lengths <= LONGEST_SINGLE_HOLD * np.median(found.lengths)
     factor = float(found.lengths[kept].mean())
-    return _sensor_hold(time_s, values, factor, float(found.durations_s[kept].mean()))
+    hold_s = float(found.durations_s[kept].mean())
+    return _sensor_hold(time_s, values, factor, hold_s, may_be_set=may_be_set)
 
 
-def _sensor_hold(time_s: Array, values: Array, factor: float, hold_s: float) -> SampleHold | None:
+def _sensor_hold(
+    time_s: Array, values: Array, factor: float, hold_s: float, *, may_be_set: bool
+) -> SampleHold | None:
     """A hold, unless it is so long that somebody must have wanted it."""
     moves = np.abs(np.diff(values))
     jump = float(np.median(moves[moves > 0.0]))
-    deliberate = factor > DELIBERATE_SAMPLES and jump > DELIBERATE_JUMP * float(np.ptp(values))
+    deliberate = may_be_set and factor > DELIBERATE_SAMPLES
+    deliberate = deliberate and jump > DELIBERATE_JUMP * float(np.ptp(values))
     too_long = hold_s > LONGEST_HOLD_SHARE * float(time_s[-1] - time_s[0])
     if deliberate or too_long or factor > LONGEST_HOLD_SAMPLES:
         return None

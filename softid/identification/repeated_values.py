@@ -35,18 +35,20 @@ LONGER = 1.5
 """A run so many times as long as the longest of so many by chance is a reading that stays."""
 
 
-def hold_of(time_s: Array, values: Array) -> SampleHold | None:
+def hold_of(time_s: Array, values: Array, *, may_be_set: bool = True) -> SampleHold | None:
     """How a channel repeats what a slower sensor says; None for one that does not.
 
     Parameters
     ----------
     time_s, values
         Samples of the channel, each of shape (n,), none of them missing.
+    may_be_set
+        Whether somebody may have set the values, as the levels of a staircase.
     """
     if not _repeats(values):
         return None
     grid = find_quantisation(values)
-    hold = find_hold(time_s, values, grid.step if grid else None)
+    hold = find_hold(time_s, values, grid.step if grid else None, may_be_set=may_be_set)
     least = LEAST_OF_LOST if has_new_values(values) else LEAST_FACTOR
     return hold if hold is not None and hold.factor >= least else None
 

@@ -57,6 +57,11 @@ if TYPE_CHECKING:
 Progress = Callable[[str, float], None]
 
 
+SEEN = 0.9
+"""Where the simpler model leaves so much more that the one with a term leaves this share of it, the
+samples do show the term: an input that changes between them shows a swing quicker than they are."""
+
+
 @matrices_on_one_thread()
 def fit(
     logs: Log | Sequence[Log],
@@ -330,11 +335,14 @@ def _identify(
         dropped = set(problem.free) - set(limit.parameters().free)
         if not dropped or constraints.keep(dropped):
             break
-        unseen |= dict.fromkeys(dropped, reason)
         overlaid = constraints.over(limit.parameters())
         values |= {n: p.value for n, p in overlaid.items() if p.fixed}
-        problem = Problem(limit, overlaid, logs.logs)
-        optimum = output_error(problem, [values], rng=rng, thorough=thorough, progress=report)
+        without = Problem(limit, overlaid, logs.logs)
+        found = output_error(without, [values], rng=rng, thorough=thorough, progress=report)
+        if without.size < problem.size and optimum.cost < SEEN * found.cost:
+            break
+        unseen |= dict.fromkeys(dropped, reason)
+        problem, optimum = without, found
     return OptimisedProblem(problem, optimum, unseen, constraints)
 
 
