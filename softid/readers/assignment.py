@@ -10,7 +10,13 @@ import numpy as np
 from softid.channels import Channel, make_channel
 from softid.errors import InputError, Issue
 from softid.readers.base import Table, first_names
-from softid.readers.columns import best_matches, bracketed_text, is_index_name, read_name
+from softid.readers.columns import (
+    best_matches,
+    bracketed_text,
+    is_index_name,
+    read_name,
+    signal_unit,
+)
 from softid.readers.plausibility import finite, not_measured, unit_doubt
 from softid.readers.sidecar import Sidecar
 from softid.readers.times import TimeAxis, channel_flag, read_times
@@ -307,7 +313,15 @@ def _ambiguous(table: Table, name: str, columns: tuple[int, ...]) -> InputError:
 def _unitless(table: Table, name: str, index: int) -> InputError:
     quantity = CHANNEL_QUANTITY[name]
     example = {"angle": "deg"}.get(name, CANONICAL_UNIT[quantity])
-    written = bracketed_text(table.head.names[index]) if table.head.headed else None
+    headed = table.head.names[index] if table.head.headed else ""
+    signal, written = signal_unit(headed), bracketed_text(headed)
+    if signal is not None:
+        return InputError(
+            f"{signal} is no unit of {quantity}",
+            where=table.place(index),
+            remedy=f"say how much 1 {signal} is, as in "
+            f"{channel_flag(name, table, index, f'100*{example}')}",
+        )
     return InputError(
         f"{written} is no unit of {quantity}" if written else f"the {name} has no unit",
         where=table.place(index),

@@ -19,11 +19,11 @@ _WORDS: dict[str, tuple[str, ...]] = {
     "time": ("time", "t", "timestamp", "datetime", "elapsed", "zeit"),
     "pressure": ("pressure", "p", "press", "druck"),
     "angle": ("angle", "theta", "phi", "bend", "bending", "winkel", "θ", "φ", "ϕ"),
-    "contraction": ("contraction",),
-    "length": ("length", "len"),
-    "distance": ("distance", "dist"),
-    "position": ("position", "pos", "displacement", "stroke"),
-    "torque": ("torque", "moment"),
+    "contraction": ("contraction", "kontraktion"),
+    "length": ("length", "len", "länge"),
+    "distance": ("distance", "dist", "abstand"),
+    "position": ("position", "pos", "displacement", "stroke", "weg", "hub"),
+    "torque": ("torque", "moment", "drehmoment"),
     "force": ("force", "kraft"),
 }
 _CHANNEL_OF_WORD = {word: channel for channel, words in _WORDS.items() for word in words}
@@ -121,6 +121,18 @@ _AMBIGUOUS_UNITS = frozenset(
 )
 
 
+_SIGNAL_UNITS = {
+    "v": "V",
+    "volt": "V",
+    "volts": "V",
+    "mv": "mV",
+    "ma": "mA",
+    "counts": "count",
+    "adc": "count",
+}
+"""What a gauge delivers before anybody has said how much of its quantity that is."""
+
+
 @dataclass(frozen=True)
 class ColumnName:
     """A column's name, taken apart.
@@ -184,12 +196,27 @@ def bracketed_text(text: str) -> str | None:
     return match[3] or None if match else None
 
 
+def signal_unit(text: str) -> str | None:
+    """Volts, milliamperes or counts of a converter, where a name ends in them.
+
+    Examples
+    --------
+    >>> signal_unit("pressure_V"), signal_unit("p [mA]"), signal_unit("pressure_kPa")
+    ('V', 'mA', None)
+    """
+    words = _words(bracketed_text(text) or text)
+    return _SIGNAL_UNITS.get(words[-1]) if words else None
+
+
 def match_channel(name: ColumnName) -> tuple[str, int] | None:
     """The channel that a name means and how surely; None when it means none."""
     words = set(name.words)
     heads = [word for word in name.words if word in _CHANNEL_OF_WORD]
-    if not heads or words & _SOMETHING_ELSE:
+    if words & _SOMETHING_ELSE:
         return None
+    if not heads:
+        is_pressure = name.known_unit is not None and name.known_unit.quantity == "pressure"
+        return ("pressure_command", LOOKALIKE) if is_pressure and words & _COMMAND else None
     head = heads[-1]
     channel = _CHANNEL_OF_WORD[head]
     extra = [w for w in name.words if w != head and w not in _HARMLESS]

@@ -118,6 +118,17 @@ def test_a_missing_unit_is_asked_for(write_log: WriteFile, name: str) -> None:
     assert f"--channel {name}={name}:" in str(caught.value)
 
 
+def test_volts_are_asked_for_what_they_mean(write_log: WriteFile) -> None:
+    """To call them kPa, as a pressure without a unit is, would give a wrong scale."""
+    path = write_log(table("time_s,pressure_V,angle_deg"))
+    with pytest.raises(InputError, match="V is no unit of pressure; say how much 1 V is") as caught:
+        load(path)
+    assert "--channel 'pressure=pressure_V:100*kPa'" in str(caught.value)
+    scaled = load(path, channels={"pressure": "pressure_V:100*kPa"}).channels["pressure"]
+    volts = load(path, channels={"pressure": "pressure_V:kPa"}).channels["pressure"]
+    assert scaled.values.tolist() == (100.0 * volts.values).tolist()
+
+
 def test_what_stands_for_a_unit_and_is_none_is_named(write_log: WriteFile) -> None:
     path = write_log(table("time_s,pressure (furlong),angle_deg"))
     with pytest.raises(InputError, match="furlong is no unit of pressure; state it") as caught:

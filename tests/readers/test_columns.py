@@ -41,6 +41,8 @@ from softid.readers.columns import (
         ("Pressure command [psi]", "pressure_command", EXACT, "psi"),
         ("p_set_point_bar", "pressure_command", SYNONYM, "bar"),
         ("s1_p1_cmd_kpa", "pressure_command", LOOKALIKE, "kpa"),
+        ("setpoint_kPa", "pressure_command", LOOKALIKE, "kPa"),
+        ("Weg [mm]", "position", SYNONYM, "mm"),
         ("theta [deg]", "angle", SYNONYM, "deg"),
         ("θ/°", "angle", SYNONYM, "°"),
         ("bending angle (rad)", "angle", LOOKALIKE, "rad"),
