@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.single_spikes import spikes_in
+from softid.diagnosis.residual.single_spikes import pairs_in, spikes_in
 from softid.errors import Issue
 from softid.log import Log
 
+Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 SPIKES = "spikes"
@@ -20,6 +21,10 @@ SPIKES = "spikes"
 
 SPIKE_ROUNDS = 3
 """Where a spike is taken out, the one beside it shows."""
+
+JUMP, NEAR_JUMP = 0.02, 5
+"""An input that moves by so large a share of its range between samples may leave two samples far
+off by itself, up to so many samples later."""
 
 MOST_SPIKES = 0.01
 """Where a larger share of a log would be spikes they are its noise."""
@@ -54,12 +59,22 @@ def _marked(candidate: Candidate) -> dict[str, BoolArray]:
         residual = segment.outputs[first] - problem.response(z, k).outputs[first]
         residual = segment.samples_of(residual)
         known = np.flatnonzero(np.isfinite(residual))
+        pairs = pairs_in(residual[known], _is_still(segment.samples_of(segment.input))[known])
+        marks[segment.log_name][segment.start + known[pairs]] = True
+        known = known[~pairs]
         for _ in range(SPIKE_ROUNDS):
             far_off = spikes_in(residual[known])
             far_off[:1] = far_off[-1:] = False  # one neighbour says too little
             marks[segment.log_name][segment.start + known[far_off]] = True
             known = known[~far_off]
     return marks
+
+
+def _is_still(u: Array) -> BoolArray:
+    """Samples about which the input does not jump, shape (n,)."""
+    jumps = np.abs(np.diff(u)) > JUMP * float(np.ptp(u))
+    near = np.convolve(jumps, np.ones(2 * NEAR_JUMP + 1), "full")[NEAR_JUMP:][: u.size] > 0.0
+    return ~near
 
 
 def _without(log: Log, spikes: BoolArray | None) -> Log:

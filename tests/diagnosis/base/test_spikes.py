@@ -41,6 +41,23 @@ def test_they_are_left_out_and_told(hidden: str) -> None:
     assert told[0].startswith("train: ")
 
 
+@pytest.mark.parametrize("at_jump", [False, True])
+def test_two_side_by_side_away_from_jumps_of_the_input(at_jump: bool) -> None:
+    """Two readings alike, off by fifty deviations of the noise: beside a jump of the input a quick
+    actuator may have moved, or not yet."""
+    train, hold_out = hidden_pair([], seed=610, model="oscillator", protocol="levels").logs
+    jump = int(np.argmax(np.abs(np.diff(train.channels[train.input].values))))
+    first = jump + 1 if at_jump else jump - 40
+    (name,) = train.outputs
+    values = train.channels[name].values.copy()
+    noise = np.std(np.diff(values[jump - 100 : jump])) / 2.0**0.5
+    values[first : first + 2] = values[first - 1] + 50.0 * noise + np.array([0.0, noise])
+    channels = {**train.channels, name: replace(train.channels[name], values=values)}
+    found = diagnose(replace(train, channels=channels), hold_out=[hold_out], model="oscillator")
+    told = [issue.message for issue in found.issues if issue.code == SPIKES]
+    assert [message.startswith("train: 2 readings") for message in told] == [True] * (not at_jump)
+
+
 def test_noise_has_none() -> None:
     train, hold_out = hidden_pair([], seed=611).logs
     found = diagnose(train, hold_out=[hold_out], model="muscle")

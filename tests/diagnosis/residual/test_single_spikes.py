@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.diagnosis.residual.single_spikes import spikes_in
+from softid.diagnosis.residual.single_spikes import pairs_in, spikes_in
 
 
 def test_a_coarse_residual_has_no_spikes() -> None:
@@ -15,6 +15,20 @@ def test_a_coarse_residual_has_no_spikes() -> None:
     fine = np.random.default_rng(1).standard_normal(2000)
     fine[[500, 900]] = (12.0, -12.0)
     assert np.flatnonzero(spikes_in(fine)).tolist() == [500, 900]
+
+
+@pytest.mark.parametrize("still", [True, False])
+def test_two_side_by_side_where_the_input_does_not_jump(still: bool) -> None:
+    """Neither is off both of its neighbours, and both are off those of the pair. A pulse of three
+    samples, a step and a pair of ten deviations are none."""
+    residual = np.random.default_rng(2).standard_normal(2000)
+    residual[[300, 301]] += (94.0, 90.0)
+    residual[600:603] += 90.0
+    residual[900:] += 90.0
+    residual[[1200, 1201]] += 10.0
+    found = pairs_in(residual, np.full(residual.size, still))
+    assert np.flatnonzero(found).tolist() == ([300, 301] if still else [])
+    assert 300 not in np.flatnonzero(spikes_in(residual))
 
 
 @pytest.mark.parametrize("fall", [5.0, 20.0, 33.0])
