@@ -92,7 +92,7 @@ def _fast_deviation(residual: Array) -> float:
         np.append(residual[1:], residual[-2:-1]),
     )
     usual = residual - 0.5 * (beside[0] + beside[1])
-    return float(np.median(np.abs(usual))) / (NORMAL_QUARTILE * 1.5**0.5)
+    return float(np.median(np.abs(usual)) / (NORMAL_QUARTILE * np.sqrt(1.5)))
 
 
 def _off_course(residual: Array) -> Array:
