@@ -204,8 +204,9 @@ def signal_unit(text: str) -> str | None:
     >>> signal_unit("pressure_V"), signal_unit("p [mA]"), signal_unit("pressure_kPa")
     ('V', 'mA', None)
     """
-    words = _words(bracketed_text(text) or text)
-    return _SIGNAL_UNITS.get(words[-1]) if words else None
+    last = _LAST_TOKEN.fullmatch(text.strip())
+    unit = bracketed_text(text) or (last[2] if last else "")
+    return _SIGNAL_UNITS.get(unit.lower())
 
 
 def match_channel(name: ColumnName) -> tuple[str, int] | None:
