@@ -280,8 +280,8 @@ def _sensor_hold(
     """A hold, unless it is so long that somebody must have wanted it."""
     moves = np.abs(np.diff(values))
     jump = float(np.median(moves[moves > 0.0]))
-    deliberate = may_be_set and factor > DELIBERATE_SAMPLES
-    deliberate = deliberate and jump > DELIBERATE_JUMP * float(np.ptp(values))
+    is_far = jump > DELIBERATE_JUMP * float(np.ptp(values))
+    deliberate = may_be_set and factor > DELIBERATE_SAMPLES and is_far
     too_long = hold_s > LONGEST_HOLD_SHARE * float(time_s[-1] - time_s[0])
     if deliberate or too_long or factor > LONGEST_HOLD_SAMPLES:
         return None

@@ -11,14 +11,12 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar
+from softid.uncertainty.student import COVERAGE
 
 Array = npt.NDArray[np.float64]
 
 CI_METHOD = "block-bootstrap"
 """Name of this method in results."""
-
-COVERAGE = 0.95
-"""Probability that an interval covers the truth."""
 
 MIN_BLOCKS = 4
 """A block is at most this fraction of its segment, so that draws can differ."""

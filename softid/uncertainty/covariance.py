@@ -30,7 +30,7 @@ from softid.uncertainty.moments import Moments, gather_moments
 from softid.uncertainty.restricted import RestrictedFit, evaluate, restricted_ar
 from softid.uncertainty.rounding import WELL_KNOWN, Rounding, rounding_covariance
 from softid.uncertainty.simultaneous import add_shared_noise
-from softid.uncertainty.student import student_quantile
+from softid.uncertainty.student import COVERAGE, student_quantile
 
 Array = npt.NDArray[np.float64]
 
@@ -45,9 +45,6 @@ MIN_STRETCHES = 50
 
 MIN_STRETCHES_PER_PARAMETER = 10
 """Averages from which on a time scale is used, in times the parameters."""
-
-COVERAGE = 0.95
-"""Probability that an interval covers the truth."""
 
 MIN_FREEDOM = 2.0
 """Fewest degrees of freedom of an interval; below, its width says nothing but "unknown"."""

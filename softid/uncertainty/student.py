@@ -5,6 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 from math import erfc, exp, isnan, lgamma, log, log1p, nan, pi, sqrt
 
+COVERAGE = 0.95
+"""Probability that an interval covers the truth."""
+
 MANY = 16.0
 """Degrees of freedom, in units of 1 or the squared normal quantile, beyond which five terms of the
 expansion in 1/ν are exact to 1e-10; Abramowitz and Stegun, 26.7.5, and the term behind theirs."""
