@@ -28,8 +28,8 @@ SLIP_DISTANCES = (0.25, 0.6, 1.3, 2.5)
 SLIP_POWER = 9
 """The element yields the more suddenly the higher the power; 9 slips within a few per cent."""
 
-LEAST_DAMPING = 0.05
-"""Share of a damping that stays whatever takes it away."""
+LEAST_SHARE = 0.05
+"""Share of a damping or an inertia that stays whatever takes it away."""
 
 FRACTIONAL_TIMES_S = (0.05, 0.2, 0.8, 3.2, 12.8)
 """Times of the creeps that together stand for a power law, a factor of four apart, from faster than
@@ -140,7 +140,18 @@ def _damping_slope(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLa
     slope, low = values["slope"] / sizes.x_span, sizes.x_low
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        parts.damping *= max(1.0 + slope * (x - low), LEAST_DAMPING)
+        parts.damping *= max(1.0 + slope * (x - low), LEAST_SHARE)
+        return NO_RATES
+
+    return MotionLaw(act)
+
+
+def _inertia_slope(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del occasion
+    slope, low = values["slope"] / sizes.x_span, sizes.x_low
+
+    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
+        parts.inertia *= max(1.0 + slope * (x - low), LEAST_SHARE)
         return NO_RATES
 
     return MotionLaw(act)
@@ -151,7 +162,7 @@ def _damping_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLa
     rate = values["change"] / occasion.duration_s
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        parts.damping *= max(1.0 + rate * t, LEAST_DAMPING)
+        parts.damping *= max(1.0 + rate * t, LEAST_SHARE)
         return NO_RATES
 
     return MotionLaw(act)
@@ -330,6 +341,11 @@ OUTSIDE: tuple[Hidden, ...] = (
         "damping_slope", "state", "N (1 + slope (x - x_low)/x_span) in place of N", "slope 1",
         lambda s, rng, size: {"slope": max(either(rng) * about(rng, 0.8 * size), -0.8)},
         _damping_slope, relation="outside",
+    ),
+    entry(
+        "inertia_slope", "state", "M (1 + slope (x - x_low)/x_span) in place of M", "slope 1",
+        lambda s, rng, size: {"slope": max(either(rng) * about(rng, 1.5 * size), -0.8)},
+        _inertia_slope, relation="outside",
     ),
     entry(
         "damping_drift", "state", "N (1 + change t/duration) in place of N", "change 1",

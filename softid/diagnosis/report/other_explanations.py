@@ -31,6 +31,7 @@ from softid.diagnosis.verdict.beyond_catalogue import (
 )
 from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, OF_LINEAR, UNLISTED_LAWS
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
+from softid.diagnosis.verdict.unlisted_positions import PositionInertia
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.effects.base import Effect
 from softid.errors import Issue
@@ -363,5 +364,6 @@ def _size_of(found: BeyondCatalogue) -> str:
         return ""
     ((value, unit),) = found.sizes
     if unit == "1":
-        return f" ({100.0 * value:.2g} % of the range)"
+        what = "over" if isinstance(found.laws[0], PositionInertia) else "of"
+        return f" ({100.0 * value:.2g} % {what} the range)"
     return f" ({value:.3g} {unit})"

@@ -213,6 +213,7 @@ ONE_FOR_ALL = EquivalenceClass(
     ("causes of the catalogue", "a law in no catalogue"),
     (
         "position_damping",
+        "position_inertia",
         "damping_drift",
         "early_reading",
         "gauge_lag",

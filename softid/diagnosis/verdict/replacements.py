@@ -32,8 +32,6 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     InputPlay,
     OutputPlay,
-    PositionDamping,
-    PositionFriction,
     suiting,
 )
 from softid.diagnosis.verdict.unlisted_memories import (
@@ -43,6 +41,7 @@ from softid.diagnosis.verdict.unlisted_memories import (
     SecondHysteresis,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_positions import PositionDamping, PositionFriction
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
     LateGauge,

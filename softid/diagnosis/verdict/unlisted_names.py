@@ -4,6 +4,7 @@ from __future__ import annotations
 
 UNLISTED: dict[str, str] = {
     "position_damping": "a damping of the actuator itself that goes with its position",
+    "position_inertia": "an inertia that goes with the position",
     "position_friction": "dry friction that goes with the position",
     "position_hysteresis": "a hysteresis that goes with the position",
     "power_spring": "a spring that stiffens with another power of the position",

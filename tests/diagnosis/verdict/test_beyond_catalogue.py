@@ -39,6 +39,7 @@ def base_over(*names: str, seed: int) -> BaseFit:
     [
         ("position_damping", "position_damping"),
         ("damping_slope", "position_damping"),
+        ("inertia_slope", "position_inertia"),
         ("input_backlash", "input_play"),
         ("output_backlash", "output_play"),
         ("rate_limit", "rate_limit"),

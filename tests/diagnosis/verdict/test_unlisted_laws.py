@@ -34,8 +34,6 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     InputPlay,
     OutputPlay,
-    PositionDamping,
-    PositionFriction,
     suiting,
 )
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
@@ -44,6 +42,11 @@ from softid.diagnosis.verdict.unlisted_pneumatics import (
     RateLimit,
     ReliefLeak,
     UnevenDelay,
+)
+from softid.diagnosis.verdict.unlisted_positions import (
+    PositionDamping,
+    PositionFriction,
+    PositionInertia,
 )
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
@@ -58,7 +61,7 @@ from softid.effects.base import Effect
 from softid.effects.sensor_lag import SensorLag
 from softid.effects.sensor_resonance import SensorResonance
 from softid.kernels.filters import lag
-from softid.kernels.terms import DAMPING, FORCE, RATE, SHIFT, STIFFNESS
+from softid.kernels.terms import DAMPING, FORCE, INERTIA, RATE, SHIFT, STIFFNESS
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -233,6 +236,16 @@ def test_a_damping_is_known_at_its_knots() -> None:
         out[:] = 0.0
         law.step(scale.x_low + share * scale.x_span, 0.0, 0.0, 0.0, 0.0, eta, out)
         assert out[DAMPING] == pytest.approx(expected, abs=1e-5)
+
+
+def test_an_inertia_goes_straight_with_the_position() -> None:
+    """The model's own at the lower end, (1 + g) times that at the upper one and beyond."""
+    law, scale, out = PositionInertia(), sizes_of("muscle"), np.zeros(6)
+    eta = np.array([2.0, *law.constants(scale)])
+    for share, expected in ((-0.5, 0.0), (0.0, 0.0), (0.25, 0.5), (1.0, 2.0), (2.0, 2.0)):
+        out[:] = 0.0
+        law.step(scale.x_low + share * scale.x_span, 0.0, 0.0, 0.0, 0.0, eta, out)
+        assert out[INERTIA] == pytest.approx(expected, abs=1e-12)
 
 
 def test_a_spring_of_any_shape_follows_a_parabola() -> None:
