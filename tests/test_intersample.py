@@ -175,10 +175,18 @@ def test_pairs_of_samples_have_few_knots() -> None:
     assert knot_s.size == level.size == 100 + 99 * (2 * 20 - 1)
 
 
-def test_an_irregular_clock_has_lost_nothing() -> None:
+RANDOM = np.random.default_rng(0)
+
+
+@pytest.mark.parametrize(
+    "interval_s",
+    [RANDOM.uniform(0.1, 2.0, 400), RANDOM.exponential(1.0, 400)],
+    ids=["uniform", "random times"],
+)
+def test_an_irregular_clock_has_lost_nothing(interval_s: np.ndarray) -> None:
     """Written when it changes: intervals are of all lengths, and it is held over each."""
-    time_s = np.cumsum(np.random.default_rng(0).uniform(0.1, 2.0, 40))
-    u = np.arange(40.0) % 7
+    time_s = np.cumsum(interval_s)
+    u = np.arange(time_s.size) % 7.0
     assert lost_intervals(time_s).size == 0
     knot_s, level = knots(time_s, u, "zoh")
     assert np.array_equal(level, u[:-1])
