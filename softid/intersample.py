@@ -60,9 +60,9 @@ GAP_SPREADS = 3.0
 clock trembles, long intervals are as usual as short ones."""
 
 UNEVEN = 0.35
-"""A clock keeps no period where a quarter of the intervals are shorter than the median by this share
-of it: a long one has lost nothing. Trembling by a fifth of a period, either way, makes it 0.12, and
-samples at random times 0.58."""
+"""A clock keeps no period where a quarter of the intervals are shorter than the median by this
+share of it: a long one has lost nothing. Trembling by a fifth of a period, either way, makes it
+0.12, and samples at random times 0.58."""
 
 MAD_TO_STD = 1.4826
 """Standard deviation over median absolute deviation, for a normal law."""
@@ -230,7 +230,7 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
 
 
 def lost_intervals(time_s: Array) -> IntArray:
-    """Indices k such that samples were lost between k and k + 1; none where no clock gave the times.
+    """Indices k such that samples were lost between k and k + 1; none where a clock has no period.
 
     Parameters
     ----------

@@ -179,11 +179,12 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
 def _warn_early(logs: Sequence[Log]) -> None:
     """Say what makes a search of minutes pointless while it can still be stopped."""
     from softid.quality.causality import leading_outputs
+    from softid.quality.gauge_pressure import vacuums
     from softid.quality.second_inputs import independent_inputs, second_input_issues
 
     for log in logs:
         apart = second_input_issues(independent_inputs(log), log.input)
-        for issue in (*leading_outputs(log), *apart):
+        for issue in (*leading_outputs(log), *vacuums(log), *apart):
             say(f"{issue.severity}: {log.name}: {issue.message}")
 
 

@@ -27,7 +27,7 @@ from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
 from softid.quality.causality import leading_outputs
 from softid.quality.dropouts import find_dropouts, may_drop_out
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
-from softid.quality.gauge_pressure import absolute_pressures
+from softid.quality.gauge_pressure import absolute_pressures, is_vacuum, vacuums
 from softid.quality.holding import describe_holds
 from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues, list_stuck
@@ -134,7 +134,7 @@ def inspect(log: Log) -> Inspection:
         issues=list_issues(
             sampling,
             channels,
-            signs,
+            () if is_vacuum(log) else signs,  # its own sign is the one to turn
             stretches,
             holds=holds,
             other_inputs=other_inputs(log, judged),
@@ -172,7 +172,7 @@ def misleading_channels(log: Log) -> tuple[Issue, ...]:
     """What a fit takes for motion that the input makes, and is not.
 
     Outputs that saturate, repeat one value, begin again at the end of a turn, or move before the
-    input does, a second input, and a pressure that seems to be absolute.
+    input does, a second input, and a pressure that seems to be absolute or is a vacuum.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def misleading_channels(log: Log) -> tuple[Issue, ...]:
 
 def _misread(log: Log) -> tuple[Issue, ...]:
     """What is told of channels that may not be what they are taken for."""
-    return (*wrapped_angles(log), *leading_outputs(log), *absolute_pressures(log))
+    return (*wrapped_angles(log), *leading_outputs(log), *absolute_pressures(log), *vacuums(log))
 
 
 def _without_faults(log: Log, channels: tuple[ChannelReport, ...]) -> Log:

@@ -1,4 +1,4 @@
-"""Absolute pressures are pointed out, gauge pressures are not."""
+"""Absolute pressures and vacuums are pointed out, gauge pressures are not."""
 
 from __future__ import annotations
 
@@ -39,3 +39,25 @@ def test_an_absolute_pressure_is_told(pressure_kpa: np.ndarray, is_told: bool) -
     assert len(told) == is_told
     low = log.channels["pressure"].values.min()
     assert all(f"rests at {low:.4g} kPa" in issue.message for issue in told)
+
+
+@pytest.mark.parametrize(
+    ("pressure_kpa", "is_told"),
+    [
+        (-SWING, True),
+        (-SWING - 20.0, True),
+        (np.where(TIME_S < 0.1, 20.0, -SWING), True),  # vented with a puff
+        (SWING, False),
+        (SWING - 30.0, False),  # both ways
+        (-0.1 * SWING, False),  # hardly any
+    ],
+)
+def test_a_vacuum_is_told(pressure_kpa: np.ndarray, is_told: bool) -> None:
+    """Its own sign is the one to turn, and not that of an output which goes against it."""
+    log = log_at(pressure_kpa)
+    assert ("vacuum" in {issue.code for issue in misleading_channels(log)}) == is_told
+    found = {issue.code: issue for issue in inspect(log).issues}
+    assert ("vacuum" in found) == is_told
+    assert not ("vacuum" in found and "inverted-sign" in found)
+    if is_told:
+        assert "--channel pressure=pressure:-kPa" in (found["vacuum"].remedy or "")
