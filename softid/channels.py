@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ class Channel:
     """
 
     name: str
-    values: Array
+    values: Array = field(repr=False)
     unit: str
     display_unit: str
     display_factor: float = 1.0

@@ -98,16 +98,16 @@ class Log:
     """
 
     name: str
-    time_s: Array
+    time_s: Array = field(repr=False)
     channels: Mapping[str, Channel]
     input: str
     outputs: tuple[str, ...]
-    masked: BoolArray = None  # type: ignore[assignment]  # only until __post_init__
+    masked: BoolArray = field(default=None, repr=False)  # type: ignore[arg-type]  # until checked
     source: Source | None = None
     issues: tuple[Issue, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
     intersample: Intersample | None = None
-    input_read_s: Array | None = None
+    input_read_s: Array | None = field(default=None, repr=False)
     input_read_range: tuple[float, float] | None = None
     is_bridged: bool = False
 

@@ -211,13 +211,13 @@ class Simulation:
     """
 
     log: str
-    time_s: Array
+    time_s: Array = field(repr=False)
     input_name: str
-    input: Array
+    input: Array = field(repr=False)
     input_unit: str
-    outputs: Mapping[str, Array]
-    measured: Mapping[str, Array]
-    used: Mapping[str, npt.NDArray[np.bool_]]
+    outputs: Mapping[str, Array] = field(repr=False)
+    measured: Mapping[str, Array] = field(repr=False)
+    used: Mapping[str, npt.NDArray[np.bool_]] = field(repr=False)
     units: Mapping[str, str]
     segment_starts: tuple[int, ...] = (0,)
     issues: tuple[Issue, ...] = ()
@@ -322,8 +322,8 @@ class FitResult:
     nuisances: tuple[LogNuisance, ...]
     statistics: tuple[FitStatistics, ...]
     noise: tuple[NoiseModel, ...]
-    correlation: Array | None
-    covariance: Array | None
+    correlation: Array | None = field(repr=False)
+    covariance: Array | None = field(repr=False)
     free: tuple[str, ...]
     condition_number: float | None
     aic: float | None
