@@ -8,6 +8,7 @@ from softid.synthesis.hidden_heat import HEAT
 from softid.synthesis.hidden_inputs import INPUTS
 from softid.synthesis.hidden_motions import MOTIONS
 from softid.synthesis.hidden_outputs import OUTPUTS
+from softid.synthesis.hidden_random import RANDOM
 from softid.synthesis.hidden_sensors import SENSORS
 from softid.synthesis.hidden_springs import SPRINGS
 from softid.synthesis.hidden_strange import OTHER_FORMS, OUTSIDE
@@ -23,6 +24,7 @@ HIDDEN: dict[str, Hidden] = {
         *HEAT,
         *OUTPUTS,
         *SENSORS,
+        *RANDOM,
     )
 }
 
