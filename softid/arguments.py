@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
-from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -80,32 +78,6 @@ def require_parameters(given: object) -> ParameterSet | lmfit.Parameters:
     raise refused("a set of parameters", given, remedy)
 
 
-def require_seed(given: object) -> int:
-    """What was given, if generators of random numbers take it.
-
-    Raises
-    ------
-    UsageError
-        It is no whole number, or a negative one.
-
-    Examples
-    --------
-    >>> require_seed(-1)
-    Traceback (most recent call last):
-    ...
-    softid.errors.UsageError: seed: this is not a whole number from 0 on (got -1); give one.
-    """
-    try:
-        seed = operator.index(given)  # type: ignore[arg-type]  # what it is for
-    except TypeError:
-        seed = -1
-    if seed >= 0:
-        return seed
-    raise UsageError(
-        "this is not a whole number from 0 on", where="seed", value=given, remedy="give one"
-    )
-
-
 def require_percent(given: object, *, where: str) -> float:
     """What was given, if it is a finite number of 100 at most.
 
@@ -121,26 +93,6 @@ def require_percent(given: object, *, where: str) -> float:
         where=where,
         value=given,
         remedy="give one, such as 70",
-    )
-
-
-def require_names(given: object, *, where: str) -> tuple[str, ...]:
-    """What was given, if it is several names, or none.
-
-    Raises
-    ------
-    UsageError
-        It is one name alone, which would be taken letter by letter, or something else.
-    """
-    if isinstance(given, Iterable) and not isinstance(given, (str, bytes)):
-        names = tuple(given)
-        if all(isinstance(name, str) for name in names):
-            return names
-    raise UsageError(
-        "this is not a list of names",
-        where=where,
-        value=given,
-        remedy=f"write {where}=[{given!r}]" if isinstance(given, str) else "give one",
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
+from softid.given_values import as_numbers
 from softid.units import CANONICAL_UNIT, CHANNEL_QUANTITY, factor_to_canonical
 
 Array = npt.NDArray[np.float64]
@@ -83,7 +84,7 @@ def make_channel(
     name
         A known channel name, or any other name for a raw channel.
     values
-        Samples, shape (n,), in ``unit``.
+        Samples, shape (n,), in ``unit``; NaN or masked where nothing was recorded.
     unit
         Their unit; None means the canonical one (a raw channel: ``"1"``).
     column
@@ -92,22 +93,22 @@ def make_channel(
     Raises
     ------
     InputError
-        The unit does not measure what the channel is.
+        The unit does not measure what the channel is, or the values are no vector of numbers.
 
     Examples
     --------
     >>> make_channel("pressure", [0.0, 1.5], "bar").values.tolist()
     [0.0, 150.0]
     """
+    numbers = as_numbers(values, where=column or name)
     quantity = CHANNEL_QUANTITY.get(name, "raw")
     if quantity == "raw":
         own = unit or "1"
-        return Channel(name, read_only(values), own, own, 1.0, column)
+        return Channel(name, numbers, own, own, 1.0, column)
     canonical = CANONICAL_UNIT[quantity]
     shown = unit or canonical
     factor = factor_to_canonical(shown, quantity, where=column or name)
-    scaled = np.asarray(values, dtype=np.float64) * factor
-    return Channel(name, scaled, canonical, shown, 1.0 / factor, column)
+    return Channel(name, numbers * factor, canonical, shown, 1.0 / factor, column)
 
 
 def default_outputs(

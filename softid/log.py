@@ -12,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.channels import Channel, default_outputs, make_channel, read_only
-from softid.errors import InputError, Issue, UsageError
+from softid.errors import Issue, UsageError, entry_named
+from softid.given_values import as_mask, as_seconds, require_names, require_whole
 from softid.intersample import Intersample
+from softid.log_rules import require_intersample, require_lengths, require_roles, require_times
 from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
@@ -92,9 +94,11 @@ class Log:
     Raises
     ------
     InputError
-        Times not strictly increasing, shapes that differ, or an input with missing samples.
+        Times not finite and strictly increasing, shapes that differ, or an input with missing
+        samples.
     UsageError
-        A role names a channel that the log does not have.
+        A role names a channel that the log does not have, an output is named twice, or there is no
+        such intersample behaviour.
     """
 
     name: str
@@ -116,57 +120,16 @@ class Log:
         object.__setattr__(self, "time_s", time)
         object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
-        masked = np.zeros(time.size, bool) if self.masked is None else np.asarray(self.masked, bool)
+        require_times(time, where=self.name)
+        require_lengths(self.channels, time, where=self.name)
+        require_roles(self.channels, self.input, self.outputs, where=self.name)
+        require_intersample(self.intersample, where=self.name)
+        given = np.zeros(time.size, bool) if self.masked is None else self.masked
+        masked = as_mask(given, time.size, where=self.name)
         if masked.flags.writeable or not masked.flags.owndata:
             masked = masked.copy()
             masked.setflags(write=False)
         object.__setattr__(self, "masked", masked)
-        self._check()
-
-    def _check(self) -> None:
-        if self.time_s.size < 2:
-            raise InputError(
-                "a log needs at least two samples",
-                where=self.name,
-                value=int(self.time_s.size),
-                remedy="record the response over time",
-            )
-        if not (self.time_s[1:] > self.time_s[:-1]).all():
-            backward = np.flatnonzero(~(np.diff(self.time_s) > 0))
-            raise InputError(
-                "the time does not increase",
-                where=f"{self.name}, sample {int(backward[0]) + 2}",
-                value=float(self.time_s[backward[0] + 1]),
-                remedy="sort the log or remove the repeated samples",
-            )
-        for channel in self.channels.values():
-            if channel.values.shape != self.time_s.shape:
-                raise InputError(
-                    f"the channel has {channel.values.size} samples, the time {self.time_s.size}",
-                    where=f"{self.name}, {channel.name}",
-                    remedy="give one sample per time",
-                )
-        for role in (self.input, *self.outputs):
-            if role not in self.channels:
-                raise UsageError(
-                    f"the log has no channel {role}",
-                    where=self.name,
-                    remedy=f"choose from {', '.join(self.channels)}, or add it to the channels",
-                )
-        if self.input in self.outputs:
-            raise UsageError(
-                f"{self.input} cannot be input and output at once",
-                where=self.name,
-                remedy="choose another --output (outputs= in Python)",
-            )
-        there = np.isfinite(self.channels[self.input].values)
-        if not there.all():
-            missing = np.flatnonzero(~there)
-            raise InputError(
-                f"the input {self.input} has {missing.size} missing samples",
-                where=f"{self.name}, sample {int(missing[0]) + 1}",
-                remedy="drop those samples",
-            )
 
     def __len__(self) -> int:
         return int(self.time_s.size)
@@ -254,9 +217,8 @@ class Log:
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
         """The same recording with other input and output channels."""
-        return replace(
-            self, input=input or self.input, outputs=tuple(outputs) if outputs else self.outputs
-        )
+        named = require_names(outputs, where="outputs")
+        return replace(self, input=input or self.input, outputs=named or self.outputs)
 
     def with_intersample(self, intersample: Intersample | None) -> Log:
         """The same recording with an intersample behaviour, if nothing declared one before.
@@ -266,13 +228,14 @@ class Log:
         intersample
             That of a fit; with None nothing changes.
         """
+        require_intersample(intersample, where=self.name)
         if self.intersample is not None or intersample is None:
             return self
         return replace(self, intersample=intersample)
 
     def with_masked(self, masked: npt.ArrayLike) -> Log:
         """The same recording with more samples left out of the residuals."""
-        return replace(self, masked=self.masked | np.asarray(masked, bool))
+        return replace(self, masked=self.masked | as_mask(masked, len(self), where=self.name))
 
     def between(self, start_s: float, stop_s: float) -> Log:
         """The samples with ``start_s <= time_s < stop_s`` as a log of its own.
@@ -286,7 +249,7 @@ class Log:
 
     def every(self, step: int) -> Log:
         """Every ``step``-th sample as a log of its own; ``step`` is one or more."""
-        return self._taking(slice(None, None, step))
+        return self._taking(slice(None, None, require_whole(step, least=1, where="step")))
 
     def _taking(self, rows: slice) -> Log:
         channels = {k: replace(c, values=c.values[rows]) for k, c in self.channels.items()}
@@ -308,11 +271,11 @@ class Log:
         Parameters
         ----------
         time_s
-            Times, shape (n,).
+            Times, shape (n,); dates and durations are taken from the first on.
         channels
-            Channel name → samples of shape (n,).
+            Channel name → samples of shape (n,); NaN or masked where nothing was recorded.
         units
-            Channel name → unit; channels not named are in their canonical unit.
+            Name of one of the channels → unit; others are in their canonical unit.
         input, outputs
             Roles; without outputs the first known output channel is taken.
         name
@@ -321,7 +284,8 @@ class Log:
         Raises
         ------
         InputError, UsageError
-            As `Log`; a unit does not measure its channel; no output is named or recognised.
+            As `Log`; values are no vector of numbers; a unit belongs to no channel or does not
+            measure it; no output is named or recognised.
 
         Examples
         --------
@@ -333,9 +297,13 @@ class Log:
         [0.0, 100.0]
         """
         units = units or {}
+        for known in units:
+            entry_named(known, channels, unknown="there is no such channel", where="units")
+        times = as_seconds(time_s, where=f"{name}, time")
         made = {k: make_channel(k, v, units.get(k)) for k, v in channels.items()}
-        chosen = tuple(outputs) or default_outputs(made, input, where=name)
-        return cls(name=name, time_s=read_only(time_s), channels=made, input=input, outputs=chosen)
+        named = require_names(outputs, where="outputs")
+        chosen = named or default_outputs(made, input, where=name)
+        return cls(name=name, time_s=times, channels=made, input=input, outputs=chosen)
 
 
 @dataclass(frozen=True)

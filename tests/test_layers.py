@@ -20,9 +20,9 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "interrupts"),
-    ("units", "kernels", "parallel", "even_times", "long_series", "toml_files"),
+    ("units", "kernels", "parallel", "even_times", "given_values", "long_series", "toml_files"),
     ("channels", "chi_square", "fingerprint", "intersample", "tie_expressions"),
-    ("segment",),
+    ("log_rules", "segment"),
     ("log", "parameters", "results"),
     ("arguments", "diagnosis_results", "interval_words", "log_kinds"),
     ("readers", "excitation", "models", "residuals", "scores"),

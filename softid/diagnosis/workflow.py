@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.arguments import require_names, require_seed
 from softid.diagnosis.base.base_fit import (
     BaseFit,
     Progress,
@@ -37,6 +36,7 @@ from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
 from softid.errors import InputError
+from softid.given_values import require_names, require_whole
 from softid.identification.gauge_errors import gauge_errors
 from softid.identification.input_denoising import without_input_noise
 from softid.identification.intersample_choice import choice_unless_held
@@ -115,7 +115,7 @@ def diagnose(
     ('named', ['sensor_drift'])
     """
     report = _rising(progress)
-    seed = require_seed(seed)
+    seed = require_whole(seed, least=0, where="seed")
     considered = effects_of(require_names(effects, where="effects"))
     recorded = as_log_set(logs)
     is_in_doubt = is_open(recorded)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.arguments import require_seed
 from softid.channels import read_only
 from softid.errors import UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.fitters.redrawn import redrawn
+from softid.given_values import require_whole
 from softid.identification.refitting import refitted
 from softid.log import Log
 from softid.parallel import in_parallel, matrices_on_one_thread
@@ -86,7 +86,7 @@ def bootstrap_parameters(
     >>> drawn.names, drawn.estimates.shape, drawn.failed
     (('M', 'N', 'Q'), (20, 3), 0)
     """
-    seed = require_seed(seed)
+    seed = require_whole(seed, least=0, where="seed")
     if draws < FEWEST_DRAWS:
         raise UsageError(
             "an interval needs more bootstrap draws", value=draws, remedy="take 200 or more"

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.arguments import require_seed
 from softid.errors import IdentificationError, Issue, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
+from softid.given_values import require_whole
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.input_treatment import taken_as_fitted
 from softid.identification.intersample_choice import (
@@ -126,7 +126,7 @@ def fit(
     >>> fit(log, model="oscillator").success
     True
     """
-    seed = require_seed(seed)
+    seed = require_whole(seed, least=0, where="seed")
     identified = identify(
         logs,
         model=model,

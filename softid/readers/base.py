@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError, Issue
+from softid.given_values import since_first
 
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -162,9 +163,7 @@ def datetime_seconds(column: npt.NDArray[Any]) -> Timestamps | None:
     valid = np.flatnonzero(~np.isnat(column))
     if not valid.size:
         return None
-    start = column[valid[0]]
-    since = column.astype(f"{column.dtype.kind}8[us]") - start.astype(f"{column.dtype.kind}8[us]")
-    return Timestamps(since / np.timedelta64(1, "us") * 1e-6, str(start))
+    return Timestamps(since_first(column), str(column[valid[0]]))
 
 
 def sample_rows(count: int) -> IntArray:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from softid.given_values import require_names
 from softid.log import Log, Source
 from softid.readers.assignment import find_channels
 from softid.readers.cleaning import clean
@@ -80,13 +81,14 @@ def load(
     >>> log.input, log.outputs, log.pressure_kpa.tolist()
     ('pressure', ('angle',), [0.0, 150.0, 150.0])
     """
+    named = None if outputs is None else require_names(outputs, where="outputs")
     file = Path(path)
     require_file(file)
     stem, suffix = split_suffix(file)
     said = _sidecar(file, stem, sidecar)
     table = READERS[suffix](file)
     wanted_input = input or said.input
-    wanted_outputs = None if outputs is None else tuple(outputs) or said.outputs
+    wanted_outputs = None if named is None else named or said.outputs
     found = find_channels(
         table,
         flags=channels or {},
@@ -101,7 +103,7 @@ def load(
         outputs=wanted_outputs,
         where=where,
         input_of=roles_of if input else f"the sidecar {said.path}",
-        outputs_of=roles_of if outputs else f"the sidecar {said.path}",
+        outputs_of=roles_of if named else f"the sidecar {said.path}",
     )
     asked = [*(channels or {}), *said.channels]
     fallback = () if wanted_outputs else fallback_issues(found, asked, driving, explained)
