@@ -49,8 +49,8 @@ class Parameter:
     Raises
     ------
     UsageError
-        The bounds are crossed, the value lies outside them, a bound on a logarithmic scale is
-        negative, or the tie is no arithmetic.
+        The bounds are crossed, the value lies outside them, on a logarithmic scale they do not
+        leave it positive, or the tie is no arithmetic.
     """
 
     name: str
@@ -65,6 +65,13 @@ class Parameter:
     source: str = ""
 
     def __post_init__(self) -> None:
+        if self.scale == "log" and (self.lower < 0 or self.upper <= 0):
+            raise UsageError(
+                f"{self.name} must be positive, being on a logarithmic scale",
+                where=f"parameter {self.name}",
+                value=self.lower if self.lower < 0 else self.upper,
+                remedy="give bounds above zero",
+            )
         if not self.lower <= self.upper:
             raise UsageError(
                 "the lower bound is above the upper bound",
@@ -78,13 +85,6 @@ class Parameter:
                 where=f"parameter {self.name}",
                 value=self.value,
                 remedy="give a value inside the bounds, or widen them",
-            )
-        if self.scale == "log" and self.lower < 0:
-            raise UsageError(
-                "a parameter on a logarithmic scale cannot have a negative lower bound",
-                where=f"parameter {self.name}",
-                value=self.lower,
-                remedy="use a linear scale",
             )
         if self.tie is not None:
             names_in_tie(self.tie, where=f"parameter {self.name}")
@@ -234,7 +234,7 @@ class ParameterSet(Mapping[str, Parameter]):
         Raises
         ------
         UsageError
-            lmfit's set names a parameter that the model does not have.
+            lmfit's set names a parameter that the model does not have, or as `Parameter`.
         """
         self._known(dict.fromkeys(parameters, 0.0))
         taken = []
@@ -243,7 +243,8 @@ class ParameterSet(Mapping[str, Parameter]):
                 taken.append(p)
                 continue
             q = parameters[p.name]
-            lower = max(q.min, 0.0) if p.scale == "log" else q.min
+            is_open = p.scale == "log" and np.isneginf(q.min)
+            lower = 0.0 if is_open else q.min  # of a logarithm, which has no lower bound either
             taken.append(
                 replace(
                     p,

@@ -35,7 +35,8 @@ def test_order_and_roles() -> None:
         ({"value": 5.0, "upper": 4.0}, "not within"),
         ({"value": float("nan")}, "not within"),
         ({"value": float("inf")}, "not within"),
-        ({"value": 1.0, "lower": -1.0, "scale": "log"}, "logarithmic"),
+        ({"value": 1.0, "lower": -1.0, "scale": "log"}, "positive.*logarithmic.*got -1"),
+        ({"value": 0.0, "lower": 0.0, "upper": 0.0, "scale": "log"}, "positive.*bounds above zero"),
     ],
 )
 def test_impossible_parameters_are_refused(arguments, says: str) -> None:
@@ -106,6 +107,16 @@ def test_from_lmfit_without_bounds_keeps_a_log_scale_positive() -> None:
     assert back["b"] == SET["b"]
     table.add("Q", value=1.0)
     with pytest.raises(UsageError, match="no parameter Q"):
+        SET.updated_from_lmfit(table)
+
+
+@pytest.mark.parametrize("bounds", [(-1.0, 0.0), (-1.0, 10.0), (None, 0.0), (None, -1.0)])
+def test_bounds_of_lmfit_leave_a_logarithm_positive(bounds: tuple[float | None, float]) -> None:
+    """The command refuses the same with ``--bound M=-1:0``."""
+    table = SET.to_lmfit()
+    lower, upper = bounds
+    table["M"].set(min=-np.inf if lower is None else lower, max=upper)
+    with pytest.raises(UsageError, match="parameter M: M must be positive.*bounds above zero"):
         SET.updated_from_lmfit(table)
 
 

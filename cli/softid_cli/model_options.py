@@ -347,13 +347,6 @@ def _bounded(parameter: Parameter, text: str) -> Parameter:
         lower = _number(low.strip(), option="--bound", parameter=parameter.name)
     if high.strip():
         upper = _number(high.strip(), option="--bound", parameter=parameter.name)
-    if parameter.scale == "log" and (lower < 0 or upper <= 0):
-        raise UsageError(
-            f"{parameter.name} must be positive",
-            where=f"--bound {parameter.name}",
-            value=text,
-            remedy="give bounds above zero",
-        )
     inside = min(max(parameter.value, lower), max(lower, upper))
     return replace(parameter, lower=lower, upper=upper, value=inside)
 
