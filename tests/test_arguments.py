@@ -64,7 +64,10 @@ def test_the_key_of_a_model_is_no_model() -> None:
     ("options", "said"),
     [
         ({"model": softid.Muscle}, r"not a model \(got 'the class Muscle'\); give an instance"),
-        ({"preferred": ["muscle"]}, r"not a model \(got 'muscle'\); give an instance"),
+        ({"preferred": ["spring"]}, r"no such model \(got 'spring'\); choose from muscle"),
+        ({"preferred": [3]}, r"not a model \(got 'int'\).*or a name: muscle,"),
+        ({"preferred": "muscle"}, r"preferred: .*list of models \(got 'muscle'\).*brackets"),
+        ({"preferred": softid.Muscle()}, r"preferred: .*list of models \(got 'muscle'\).*brackets"),
         ({"model": 3}, r"not a model \(got 'int'\).*or a name: muscle,"),
         (
             {"model": "muscle", "parameters": {"M": 1.0}},
@@ -73,7 +76,17 @@ def test_the_key_of_a_model_is_no_model() -> None:
         ({"seed": -1}, r"seed: .*got -1"),
         ({"seed": 0.5}, r"seed: .*got 0\.5"),
     ],
-    ids=["class", "preferred name", "number", "dict", "negative seed", "no seed"],
+    ids=[
+        "class",
+        "preferred name",
+        "preferred number",
+        "name alone",
+        "model alone",
+        "number",
+        "dict",
+        "negative seed",
+        "no seed",
+    ],
 )
 @pytest.mark.parametrize("function", [softid.fit, softid.diagnose], ids=["fit", "diagnose"])
 def test_wrong_options_are_told(

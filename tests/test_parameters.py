@@ -116,7 +116,7 @@ def test_bounds_of_lmfit_leave_a_logarithm_positive(bounds: tuple[float | None, 
     table = SET.to_lmfit()
     lower, upper = bounds
     table["M"].set(min=-np.inf if lower is None else lower, max=upper)
-    with pytest.raises(UsageError, match="parameter M: M must be positive.*bounds above zero"):
+    with pytest.raises(UsageError, match=r"parameter M: M must be positive.*bounds above zero"):
         SET.updated_from_lmfit(table)
 
 

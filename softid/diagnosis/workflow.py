@@ -63,7 +63,7 @@ def diagnose(
     hold_out: Log | Sequence[Log] = (),
     model: Model | str | None = None,
     parameters: ParameterSet | lmfit.Parameters | None = None,
-    preferred: Sequence[Model] = (),
+    preferred: Sequence[Model | str] = (),
     effects: Sequence[str] = (),
     seed: int = 0,
     progress: Progress | None = None,

@@ -13,7 +13,7 @@ from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.fitters.rest import REST_MIN_SAMPLES, REST_WINDOW_S
-from softid.identification.preparation import adapted_model, require_channels, require_model
+from softid.identification.preparation import adapted_model, named_model, require_channels
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
@@ -108,7 +108,7 @@ def choose_model(
     logs: LogSet,
     *,
     inverted: bool = False,
-    preferred: Sequence[Model] = (),
+    preferred: Sequence[Model | str] = (),
     moving: bool = False,
 ) -> ModelChoice:
     """Fit every model that takes these channels and keep the one that predicts best.
@@ -125,14 +125,15 @@ def choose_model(
     inverted
         Whether the output falls as the input rises.
     preferred
-        Models that come first, whatever their number of parameters: the user described them.
+        Models or names that come first, whatever their number of parameters: the user described
+        them.
     moving
         Whether static models are left out.
 
     Raises
     ------
     UsageError
-        No model takes these channels.
+        No model takes these channels, or a preferred one is none.
     IdentificationError
         No model could be fitted.
     """
@@ -159,13 +160,14 @@ def choose_model(
 
 
 def _candidates(
-    logs: LogSet, *, inverted: bool, preferred: Sequence[Model]
+    logs: LogSet, *, inverted: bool, preferred: Sequence[Model | str]
 ) -> tuple[list[Model], list[str]]:
     """Models that take the channels, preferred and simple ones first, and what hinders others."""
     usable: list[Model] = []
     refused: list[str] = []
     variants = [v for name in MODELS for v in MODELS[name]().variants(logs.input)]
-    for variant in (*map(require_model, preferred), *variants):
+    described = _models_of(preferred)
+    for variant in (*described, *(v for v in variants if v not in described)):
         try:
             require_channels(variant, logs)
         except UsageError:
@@ -174,9 +176,20 @@ def _candidates(
             usable.append(adapted_model(variant, logs, inverted=inverted))
         except UsageError as error:
             refused.append(f"{variant.label} was not tried: {error.what}")
-    names = {model.name for model in preferred}
+    names = {model.name for model in described}
     usable.sort(key=lambda m: (m.name not in names, _terms(m)))
     return usable, refused
+
+
+def _models_of(preferred: Sequence[Model | str]) -> list[Model]:
+    if isinstance(preferred, (str, Model)):
+        raise UsageError(
+            "this is not a list of models",
+            where="preferred",
+            value=preferred if isinstance(preferred, str) else preferred.name,
+            remedy="put it in square brackets",
+        )
+    return [named_model(given) for given in preferred]
 
 
 def _best(candidates: Sequence[Model], refused: Sequence[str], logs: LogSet) -> ModelChoice:

@@ -67,7 +67,7 @@ def fit(
     logs: Log | Sequence[Log],
     *,
     model: Model | str | None = None,
-    preferred: Sequence[Model] = (),
+    preferred: Sequence[Model | str] = (),
     hold_out: Log | Sequence[Log] = (),
     parameters: ParameterSet | lmfit.Parameters | None = None,
     seed: int = 0,
@@ -86,8 +86,8 @@ def fit(
     model
         A model, its name, or None to let blocks that are left out of the fit decide.
     preferred
-        Without a model: models to be compared first, such as one with the user's geometry; any
-        other must predict 5 % better.
+        Without a model: models or names to be compared first, such as one with the user's
+        geometry; any other must predict 5 % better.
     hold_out
         One log or several that are scored and not fitted; only their zero and initial state are
         estimated.
@@ -184,7 +184,7 @@ def identify(
     model: Model | str | None = None,
     hold_out: Log | Sequence[Log] = (),
     parameters: ParameterSet | lmfit.Parameters | None = None,
-    preferred: Sequence[Model] = (),
+    preferred: Sequence[Model | str] = (),
     seed: int = 0,
     thorough: bool = True,
     moving: bool = False,

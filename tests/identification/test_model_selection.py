@@ -10,7 +10,7 @@ import pytest
 from softid.errors import UsageError
 from softid.identification.model_selection import choose_model
 from softid.log import Log, LogSet
-from softid.models import Muscle
+from softid.models import Muscle, Oscillator
 from softid.readers import load
 from softid.simulation import simulate
 from softid.synthesis import bundled_datasets, random_muscle_truth
@@ -74,6 +74,14 @@ def test_channels_that_no_model_links_are_refused() -> None:
     log = load(DATA / "muscle_steps.csv", outputs=("contraction", "distance"))
     with pytest.raises(UsageError, match="no model explains contraction and distance"):
         choose_model(LogSet((log,)))
+
+
+def test_a_preferred_model_may_be_a_name_and_is_no_rival_of_itself() -> None:
+    logs = LogSet((load(DATA / "muscle_steps.csv"),))
+    named, given = (choose_model(logs, preferred=[p]) for p in ("oscillator", Oscillator()))
+    assert next(iter(named.held_out_rmse)) == "oscillator"
+    assert list(named.held_out_rmse) == list(given.held_out_rmse)
+    assert named.reason.count("oscillator") == 1
 
 
 def test_errors_are_those_of_the_first_output() -> None:

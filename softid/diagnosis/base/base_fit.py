@@ -275,7 +275,7 @@ class Request:
     seed: int
     progress: Progress
     instead_of: BaseFit | None = None
-    preferred: Sequence[Model] = ()
+    preferred: Sequence[Model | str] = ()
     gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
     is_intersample_open: bool = False
 
