@@ -16,6 +16,7 @@ from softid.fitters.normal_equations import SUMMED_ENTRIES, linearise, means_of
 from softid.fitters.output_error import Optimum
 from softid.fitters.pieces import Piece
 from softid.fitters.problem import Problem
+from softid.identification.unknown_names import unknown_names
 from softid.results import NoiseModel
 from softid.uncertainty import (
     AutoRegression,
@@ -89,17 +90,6 @@ class Errors:
     noise: tuple[NoiseModel, ...]
     aic: float | None
     bic: float | None
-
-
-def unknown_names(problem: Problem) -> list[str]:
-    """A name for every unknown, shape (U,)."""
-    names = [f"initial state {k}" for k in range(problem.size)]
-    names[: len(problem.free)] = problem.free
-    if problem.zeros:
-        for k, log in enumerate(problem.logs):
-            for channel in problem.outputs:
-                names[problem.zero_position(k, channel)] = f"zero of {log.name} {channel}"
-    return names
 
 
 def errors_of(problem: Problem, optimum: Optimum) -> Errors:
