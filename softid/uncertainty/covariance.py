@@ -270,8 +270,8 @@ def _at_scale(
     first: Sequence[AutoRegression] | None = None,
 ) -> _Scale:
     width = blocks[0].width
-    total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
-    noise = []
+    total, white = np.zeros((width, width)), np.zeros(width)
+    noise, doubts = [], []
     parts = [
         block if length == 1 else stretches.averaged(block)
         for block, stretches in zip(blocks, sums, strict=True)
@@ -291,7 +291,7 @@ def _at_scale(
         fit = restricted_ar(moments, start)
         matrix = form.matrix(autocovariance(fit.ar, form.lags))
         total += matrix
-        doubt += np.diag(matrix) ** 2 * _log_variance_doubt(form, moments, fit)
+        doubts.append((np.diag(matrix), _log_variance_doubt(form, moments, fit)))
         white += form.diagonal(np.eye(1, form.lags)[0]) * _mean_square(part, fit.freedom)
         noise.append(fit.ar)
     recordings = [part.recording for part in parts if part.recording is not None]
@@ -299,8 +299,11 @@ def _at_scale(
         series = [form.series for form in forms]
         total = add_shared_noise(total, parts, series)
     variance = np.diag(total)
-    known = np.where(variance > 0.0, variance, 1.0)
-    freedom = 2.0 / np.maximum(np.where(variance > 0.0, doubt / known**2, 0.0), 1e-12)
+    known = np.where(variance > 0.0, variance, np.inf)
+    doubt = np.zeros(width)
+    for part_of, of_logarithm in doubts:  # as a share, whose square does not overflow
+        doubt += (part_of / known) ** 2 * of_logarithm
+    freedom = 2.0 / np.maximum(doubt, 1e-12)
     return _Scale(total, np.maximum(freedom, MIN_FREEDOM), white, tuple(noise))
 
 

@@ -80,6 +80,19 @@ def test_units_of_a_parameter_do_not_matter() -> None:
     np.testing.assert_allclose(ratio, [1.0, 1e6, 1.0], rtol=1e-6)
 
 
+@pytest.mark.parametrize("size", [1e-100, 1e-80, 1e80, 1e100])
+def test_a_parameter_of_any_size_has_the_same_degrees_of_freedom(size: float) -> None:
+    """sd ∝ 1/size, and ν does not depend on it, though a variance squared is beyond every number."""
+    design, residual = step_regressors(200), np.random.default_rng(1).normal(size=200)
+    names = ["a", "b", "c"]
+    usual = sandwich_covariance([ResidualBlock("angle", (design,), (residual,))], names)
+    with np.errstate(all="raise", under="ignore"):
+        block = ResidualBlock("angle", (size * design,), (residual,))
+        found = sandwich_covariance([block], names)
+    np.testing.assert_allclose(found.degrees_of_freedom, usual.degrees_of_freedom, rtol=1e-6)
+    np.testing.assert_allclose(size * np.array(found.sd), usual.sd, rtol=1e-9)
+
+
 def test_channels_in_other_units_are_one_problem() -> None:
     """Two channels, the second in thousandths with weight 1/1000: the errors of one unit."""
     design = step_regressors(800)
