@@ -119,13 +119,15 @@ def extrapolation(
         return None
     unit = log.channels[channel].unit
     share = f"{100 * outside.mean():.0f} %" if outside.mean() >= A_FEW else "a few"
-    worst = float(values.max()) if values.max() > high + margin else float(values.min())
+    ends = float(values.min()), float(values.max())
+    beyond = ends[0] < low - margin, ends[1] > high + margin
+    reached = [f"{end:.4g}" for end, is_beyond in zip(ends, beyond, strict=True) if is_beyond]
     return Issue(
         "extrapolation",
         "warning",
-        f"{log.name}: {channel} reaches {worst:.4g} {unit} and {share} of the "
+        f"{log.name}: {channel} reaches {' and '.join(reached)} {unit}, and {share} of the "
         f"samples lie outside the fitted {low:.4g} to {high:.4g} {unit}: this is extrapolation",
-        f"fit a log that covers {worst:.4g} {unit}",
+        f"fit a log that covers {' to '.join(reached)} {unit}",
     )
 
 

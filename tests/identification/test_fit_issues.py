@@ -11,8 +11,13 @@ from linear_motion import linear_log
 
 from softid.errors import IdentificationError, Issue, Severity
 from softid.identification import fit
-from softid.identification.issues import estimate_issue, most_serious_first, require_explained
-from softid.log import LogSet
+from softid.identification.issues import (
+    estimate_issue,
+    extrapolation,
+    most_serious_first,
+    require_explained,
+)
+from softid.log import Log, LogSet
 from softid.results import FitResult
 
 
@@ -71,3 +76,23 @@ def test_a_fit_tells_what_a_reader_noticed_in_its_place() -> None:
     assert remark in found.issues
     assert "extrapolation" in {issue.code for issue in found.issues}
     assert severities == sorted(severities, key=["error", "warning", "info"].index)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said", "covers"),
+    [
+        (-500.0, 90.0, "reaches -500 kPa, and", "covers -500 kPa"),
+        (10.0, 150.0, "reaches 150 kPa, and", "covers 150 kPa"),
+        (-500.0, 150.0, "reaches -500 and 150 kPa, and", "covers -500 to 150 kPa"),
+    ],
+)
+def test_every_end_beyond_what_was_fitted_is_named(
+    low: float, high: float, said: str, covers: str
+) -> None:
+    """Fitted from 0 to 100 kPa: the larger excess may be on either side."""
+    time_s = np.linspace(0.0, 1.0, 11)
+    log = Log.from_arrays(time_s, {"pressure": np.linspace(low, high, 11), "angle": time_s})
+    issue = extrapolation(log, "pressure", {"pressure": (0.0, 100.0)})
+    assert issue is not None
+    assert said in issue.message
+    assert covers in str(issue.remedy)

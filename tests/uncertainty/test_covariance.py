@@ -82,7 +82,7 @@ def test_units_of_a_parameter_do_not_matter() -> None:
 
 @pytest.mark.parametrize("size", [1e-100, 1e-80, 1e80, 1e100])
 def test_a_parameter_of_any_size_has_the_same_degrees_of_freedom(size: float) -> None:
-    """sd ∝ 1/size, and ν does not depend on it, though a variance squared is beyond every number."""
+    """sd ∝ 1/size, and ν is that of size 1, though a variance squared is beyond every number."""
     design, residual = step_regressors(200), np.random.default_rng(1).normal(size=200)
     names = ["a", "b", "c"]
     usual = sandwich_covariance([ResidualBlock("angle", (design,), (residual,))], names)
