@@ -282,9 +282,10 @@ def split_scale(text: str) -> tuple[float, str]:
     >>> split_scale("35.15*N"), split_scale("kPa"), split_scale("-deg")
     ((35.15, 'N'), (1.0, 'kPa'), (-1.0, 'deg'))
     """
-    match = _SCALED.fullmatch(text.strip())
+    plain = text.strip().replace("\N{MINUS SIGN}", "-")
+    match = _SCALED.fullmatch(plain)
     if match is None:
-        return 1.0, text.strip()
+        return 1.0, plain
     return -1.0 if match[1] == "-" else float(match[1]), match[2].strip()
 
 

@@ -119,6 +119,8 @@ def test_symbols_are_the_usual_ones_and_mean_the_same(text: str, symbol: str) ->
         ("1e-3 kPa", 1e-3, "kPa"),
         ("-2·mm", -2.0, "mm"),
         (".5V", 0.5, "V"),
+        ("\N{MINUS SIGN}2*mm", -2.0, "mm"),
+        ("\N{MINUS SIGN}deg", -1.0, "deg"),
     ],
 )
 def test_a_number_before_a_unit_is_its_scale(text: str, scale: float, unit: str) -> None:

@@ -19,12 +19,12 @@ from softid.readers.columns import (
 )
 from softid.readers.plausibility import finite, not_measured, unit_doubt
 from softid.readers.sidecar import Sidecar
+from softid.readers.signals import of_signal, require_unit_of, unit_example
 from softid.readers.times import TimeAxis, channel_flag, read_times
 from softid.readers.wishes import Wish, asked_channels
 from softid.units import (
     CANONICAL_UNIT,
     CHANNEL_QUANTITY,
-    factor_to_canonical,
     lookup_unit,
     unit_symbol,
 )
@@ -245,7 +245,7 @@ def _channel(
     quantity = CHANNEL_QUANTITY.get(name, "raw")
     symbol = unit_symbol(unit) if unit else None
     if symbol and quantity != "raw":
-        factor_to_canonical(symbol, quantity, where=table.place(index))
+        require_unit_of(name, symbol, table, index, where=table.place(index))
     numbers = table.numbers(index)
     told += not_measured(table, index, numbers)
     values = finite(numbers) * scale
@@ -311,17 +311,11 @@ def _ambiguous(table: Table, name: str, columns: tuple[int, ...]) -> InputError:
 
 
 def _unitless(table: Table, name: str, index: int) -> InputError:
-    quantity = CHANNEL_QUANTITY[name]
-    example = {"angle": "deg"}.get(name, CANONICAL_UNIT[quantity])
+    quantity, example = CHANNEL_QUANTITY[name], unit_example(name)
     headed = table.head.names[index] if table.head.headed else ""
     signal, written = signal_unit(headed), bracketed_text(headed)
     if signal is not None:
-        return InputError(
-            f"{signal} is no unit of {quantity}",
-            where=table.place(index),
-            remedy=f"say how much 1 {signal} is, as in "
-            f"{channel_flag(name, table, index, f'100*{example}')}",
-        )
+        return of_signal(name, signal, table, index, where=table.place(index))
     return InputError(
         f"{written} is no unit of {quantity}" if written else f"the {name} has no unit",
         where=table.place(index),

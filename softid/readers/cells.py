@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from datetime import datetime, timedelta
 
@@ -11,7 +12,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-MISSING = frozenset({"", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "nil", "missing"})
+MISSING = frozenset(
+    {"", "nan", "na", "n/a", "#n/a", "null", "none", "-", "\N{MINUS SIGN}", "--", "nil", "missing"}
+)
 """Spellings of "nothing was recorded", in lower case."""
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*|,\d+)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -100,6 +103,23 @@ def to_numbers(cells: Sequence[str], *, comma: bool) -> Array | int:
         else:
             return position
     return values
+
+
+def count_not_numbers(cells: Sequence[str], *, comma: bool) -> int:
+    """How many cells are neither a number nor missing.
+
+    Parameters
+    ----------
+    cells, comma
+        As in `to_numbers`.
+
+    Examples
+    --------
+    >>> count_not_numbers(["1.5", "ERR", "", "ERR"], comma=False)
+    2
+    """
+    times = Counter(cells)
+    return sum(n for cell, n in times.items() if isinstance(to_numbers([cell], comma=comma), int))
 
 
 def to_seconds(cells: Sequence[str]) -> tuple[Array, str] | int:

@@ -127,6 +127,7 @@ _SIGNAL_UNITS = {
     "volts": "V",
     "mv": "mV",
     "ma": "mA",
+    "count": "count",
     "counts": "count",
     "adc": "count",
 }
@@ -197,15 +198,18 @@ def bracketed_text(text: str) -> str | None:
 
 
 def signal_unit(text: str) -> str | None:
-    """Volts, milliamperes or counts of a converter, where a name ends in them.
+    """Volts, milliamperes or counts of a converter, where a name ends in them or is one of them.
 
     Examples
     --------
-    >>> signal_unit("pressure_V"), signal_unit("p [mA]"), signal_unit("pressure_kPa")
-    ('V', 'mA', None)
+    >>> signal_unit("pressure_V"), signal_unit("p [mA]"), signal_unit("p/V"), signal_unit("mA")
+    ('V', 'mA', 'V', 'mA')
+    >>> signal_unit("pressure_kPa") is None
+    True
     """
-    last = _LAST_TOKEN.fullmatch(text.strip())
-    unit = bracketed_text(text) or (last[2] if last else "")
+    stripped = text.strip()
+    parted = _SLASHED.fullmatch(stripped) or _LAST_TOKEN.fullmatch(stripped)
+    unit = bracketed_text(text) or (parted[2] if parted else stripped)
     return _SIGNAL_UNITS.get(unit.lower())
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from softid.errors import InputError, Issue
 from softid.readers.base import Array, ArrayTable, Head, IntArray, Table, Timestamps
 from softid.readers.cells import (
+    count_not_numbers,
     is_grouped,
     is_missing,
     is_number,
@@ -20,7 +21,7 @@ from softid.readers.cells import (
     to_numbers,
     to_seconds,
 )
-from softid.readers.decoding import decode, split_lines
+from softid.readers.decoding import decode, split_lines, with_plain_minus
 from softid.readers.dialect import Layout, find_layout, is_comment
 from softid.readers.files import read_content, refuse_other_format
 
@@ -59,8 +60,13 @@ class TextTable(Table):
             return self._two_decimal_signs(cell, *grouping)
         if is_grouped(cell):
             remedy = "write it without marks between the thousands"
+        others = count_not_numbers(self.cells[index], comma=self.comma) - 1
+        more = f", nor {'are' if others > 1 else 'is'} {others} more in its column" * (others > 0)
         return InputError(
-            "this is not a number", where=self.place(index, sample), value=cell[:60], remedy=remedy
+            f"this is not a number{more}",
+            where=self.place(index, sample),
+            value=cell[:60],
+            remedy=remedy,
         )
 
     def _other_date(self, index: int, sample: int) -> InputError:
@@ -152,7 +158,7 @@ def read_csv(path: Path) -> Table:
     content = read_content(path, compressed=path.suffix.lower() == ".gz" or None)
     refuse_other_format(path, content.data)
     where = str(path)
-    lines = split_lines(decode(content.data, where=where))
+    lines = split_lines(with_plain_minus(decode(content.data, where=where)))
     layout = find_layout(lines, where=where)
     names = layout.heading.names
     head = Head(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import re
 
 from softid.errors import InputError
 
@@ -16,6 +17,7 @@ _MARKS: tuple[tuple[bytes, str], ...] = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
+_MINUS_BEFORE_NUMBER = re.compile(r"\N{MINUS SIGN}(?=[\d.,])")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
 
 
@@ -65,6 +67,17 @@ def decode(data: bytes, *, where: str) -> str:
         return data.decode("utf-8")
     except UnicodeDecodeError:
         return data.decode("latin-1")
+
+
+def with_plain_minus(text: str) -> str:
+    """The text with a hyphen for the typographic minus of numbers; names keep theirs.
+
+    Examples
+    --------
+    >>> with_plain_minus("p \N{MINUS SIGN} p0;\N{MINUS SIGN}0.5") == "p \N{MINUS SIGN} p0;-0.5"
+    True
+    """
+    return _MINUS_BEFORE_NUMBER.sub("-", text) if "\N{MINUS SIGN}" in text else text
 
 
 def split_lines(text: str) -> list[str]:

@@ -10,7 +10,8 @@ from softid.errors import InputError, UsageError
 from softid.readers.base import Table, first_names
 from softid.readers.columns import meant_channel, read_name
 from softid.readers.sidecar import Sidecar
-from softid.units import CHANNEL_QUANTITY, factor_to_canonical, split_scale
+from softid.readers.signals import require_unit_of
+from softid.units import split_scale
 
 Refusal = type[UsageError] | type[InputError]
 """What a wrong wish ends in: a flag is wrong usage, a sidecar a wrong file."""
@@ -108,7 +109,7 @@ def _wish(
         )
     if symbol is not None:
         try:
-            factor_to_canonical(symbol, CHANNEL_QUANTITY.get(name, "raw"), where=where)
+            require_unit_of(name, symbol, table, index, where=where)
         except InputError as error:
             raise refusal(
                 error.what, where=f"{table.head.path}, {where}", value=unit, remedy=error.remedy

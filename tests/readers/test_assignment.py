@@ -129,6 +129,34 @@ def test_volts_are_asked_for_what_they_mean(write_log: WriteFile) -> None:
     assert scaled.values.tolist() == (100.0 * volts.values).tolist()
 
 
+@pytest.mark.parametrize(
+    ("header", "signal", "column"),
+    [
+        ("pressure_mA", "mA", "pressure_mA"),
+        ("pressure [mA]", "mA", "pressure [mA]"),
+        ("pressure (V)", "V", "pressure (V)"),
+        ("pressure/V", "V", "pressure/V"),
+        ("pressure [counts]", "count", "pressure [counts]"),
+    ],
+)
+def test_a_signal_is_asked_for_its_scale_however_it_is_written(
+    write_log: WriteFile, header: str, signal: str, column: str
+) -> None:
+    path = write_log(table(f"time_s,{header},angle_deg"))
+    asked = f"{signal} is no unit of pressure.*; say how much 1 {signal} is"
+    for channels in ({}, {"pressure": column}, {"pressure": f"{column}:{signal}"}):
+        with pytest.raises((InputError, UsageError), match=asked) as caught:
+            load(path, channels=channels)
+        assert f"pressure={column}:100*kPa" in str(caught.value)
+
+
+def test_a_signal_in_the_row_of_units_is_asked_for_its_scale(write_log: WriteFile) -> None:
+    header = "time,pressure,angle"
+    content = table(header).replace(header, f"{header}\ns,mA,deg")
+    with pytest.raises(InputError, match="mA is no unit of pressure; say how much 1 mA is"):
+        load(write_log(content))
+
+
 def test_what_stands_for_a_unit_and_is_none_is_named(write_log: WriteFile) -> None:
     path = write_log(table("time_s,pressure (furlong),angle_deg"))
     with pytest.raises(InputError, match="furlong is no unit of pressure; state it") as caught:

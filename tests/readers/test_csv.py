@@ -227,3 +227,32 @@ def test_points_between_thousands_are_blamed_not_the_decimal_commas(write_log: W
         load(write_log("time_s;pressure_pa;angle_deg\n0,000;50.039;2,5\n0,020;50.127;3,5\n"))
     assert caught.value.value == "50.039"
     assert "column pressure_pa, row 2" in str(caught.value)
+
+
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_a_typographic_minus_is_a_minus(write_log: WriteFile, separator: str) -> None:
+    """A spreadsheet or a thesis writes U+2212; alone in a cell it stands for nothing, as - does."""
+    minus = "\N{MINUS SIGN}"
+    check(write_log(text(separator).replace("-", minus)))
+    cells = [f"{minus}0.5", f"{minus}.25", f"1e{minus}3", minus]
+    rows = [separator.join(map(str, (0.1 * k, k, cell))) for k, cell in enumerate(cells)]
+    log = load(write_log("\n".join([separator.join(NAMES), *rows])))
+    angle = np.rad2deg(log.channels["angle"].values)
+    np.testing.assert_allclose(angle, [-0.5, -0.25, 1e-3, np.nan], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        (["1", "ERR", "3", "4"], r"row 3: this is not a number \(got 'ERR'\)"),
+        (["1", "ERR", "", "ERR"], r"row 3: this is not a number, nor is 1 more in its column \("),
+        (["ERR", "x", "3", "ERR"], r"row 2: this is not a number, nor are 2 more in its column \("),
+    ],
+)
+def test_cells_that_are_no_numbers_are_counted(
+    write_log: WriteFile, cells: list[str], said: str
+) -> None:
+    """An empty cell is missing, which is no fault."""
+    rows = [f"{0.1 * k},{k},{cell}" for k, cell in enumerate(cells)]
+    with pytest.raises(InputError, match=said):
+        load(write_log("\n".join([",".join(NAMES), *rows])))
