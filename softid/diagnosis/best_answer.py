@@ -10,17 +10,18 @@ from itertools import islice
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
-from softid.diagnosis.plainer_model import ModelSearch, PlainerModels
+from softid.diagnosis.plainer_model import ModelSearch, OtherModel, PlainerModels
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.issues import unsure_issues
 from softid.diagnosis.report.other_explanations import OtherExplanations
-from softid.diagnosis.report.other_model import unasked_model_issues, with_other_model
+from softid.diagnosis.report.other_model import tie_with_other_model, unasked_model_issues
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.smoothed_record import smoothed_alone
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
+from softid.diagnosis.verdict.revision import exchanged_causes, with_ties
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
@@ -140,9 +141,18 @@ def _over_this_or_plainer(
     if plainer is None:
         is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is models.search.base
         other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
-        return with_other_model(answer, other_model), base, final
+        return _tied_with(answer, other_model), base, final
     other = _surest_answer(*searched(plainer))
     return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, final)
+
+
+def _tied_with(answer: Diagnosis, other: OtherModel | None) -> Diagnosis:
+    """The diagnosis with causes in ties with those that another model has in their place."""
+    if other is None:
+        return answer
+    lost, added = exchanged_causes(answer, other.effects)
+    ties = [tie_with_other_model(answer.alternatives, cause, added, other) for cause in lost]
+    return with_ties(answer, ties, lost)
 
 
 def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:

@@ -28,6 +28,8 @@ from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.no_response import with_no_response
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
+    differing_log_issues,
+    with_differences,
     with_event_beside,
     with_law_beside,
     with_other_explanations,
@@ -37,8 +39,15 @@ from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.verdict.no_response import no_response
+from softid.diagnosis.verdict.revision import (
+    as_unknown,
+    is_outweighed_by_events,
+    with_names_withdrawn,
+)
 from softid.diagnosis.verdict.sample_errors import with_sample_remainder
-from softid.diagnosis_results import Diagnosis
+from softid.diagnosis.verdict.second_input import second_inputs
+from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects.base import Effect
 from softid.intersample import AVERAGED
 from softid.log import LogSet
@@ -102,11 +111,21 @@ def completed(answer: Diagnosis, case: Circumstances) -> Diagnosis:
 
 
 def _what_else_it_is(answer: Diagnosis, case: Circumstances) -> Diagnosis:
+    """The answer with what explains the misfit if no cause does, which may outweigh causes."""
+    differing = differing_log_issues(case.base) if answer.verdict is Verdict.ADEQUATE else ()
+    if differing:
+        return with_differences(as_unknown(answer), differing)
+    if is_outweighed_by_events(answer) and case.others.events(case.base):
+        answer = with_names_withdrawn(answer)
     return with_other_explanations(answer, case.base, case.others)
 
 
 def _second_input(answer: Diagnosis, case: Circumstances) -> Diagnosis:
-    return with_second_input(answer, case.base, case.recorded.logs, case.request.seed)
+    """The answer; that of another input alone where that may be all that is missing."""
+    told = second_inputs(answer, case.base, case.recorded.logs, case.request.seed)
+    if not told:
+        return answer
+    return with_second_input(with_names_withdrawn(answer), told, case.recorded.logs[0].input)
 
 
 def _event_beside(answer: Diagnosis, case: Circumstances) -> Diagnosis:
@@ -151,7 +170,9 @@ def _unnamed_misfit(answer: Diagnosis, case: Circumstances) -> Diagnosis:
 
 
 def _no_response(answer: Diagnosis, case: Circumstances) -> Diagnosis:
-    return with_no_response(answer, case.final)
+    """The answer; unknown, with the reason, where the output does not answer to the input."""
+    found = no_response(answer, case.final)
+    return answer if found is None else with_no_response(as_unknown(answer), found, case.final)
 
 
 def _remarks(answer: Diagnosis, case: Circumstances) -> Diagnosis:

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from handmade_diagnosis import diagnosis
 
-from softid.diagnosis import diagnose
+from softid.diagnosis import completion, diagnose
 from softid.diagnosis.report.changes import CHANGE_POINT, HELD_OUT_CHANGE
-from softid.diagnosis.report.other_explanations import UNLISTED_LAW, with_other_explanations
+from softid.diagnosis.report.other_explanations import UNLISTED_LAW
 from softid.diagnosis_results import Verdict
 from softid.errors import Issue
 from softid.synthesis import hidden_pair
@@ -34,8 +34,8 @@ def test_a_moment_outweighs_causes_that_leave_more_than_noise(
     """What begins at one moment does not go on throughout; what leaves noise is not asked."""
     found, told_else = diagnosis(verdict), (MOMENT,) if begins else ()
     others: Any = SimpleNamespace(events=lambda *args: told_else, all=lambda *args: told_else)
-    nothing: Any = None
-    answer = with_other_explanations(found, nothing, others)
+    case: Any = SimpleNamespace(base=None, others=others)
+    answer = completion._what_else_it_is(found, case)
     assert answer.verdict is told
     is_withheld = told is Verdict.UNKNOWN
     assert len(answer.descriptive) == len((*found.causes, *found.descriptive)) or not is_withheld
@@ -44,7 +44,7 @@ def test_a_moment_outweighs_causes_that_leave_more_than_noise(
 
 
 @pytest.mark.parametrize(
-    ("is_structured", "asked"), [(True, ["events", "all"]), (False, [])], ids=["left", "noise"]
+    ("is_structured", "asked"), [(True, ["all"]), (False, [])], ids=["left", "noise"]
 )
 def test_what_is_held_out_differs_and_the_rest_is_asked_where_it_leaves_something(
     is_structured: bool, asked: list[str]
@@ -60,8 +60,8 @@ def test_what_is_held_out_differs_and_the_rest_is_asked_where_it_leaves_somethin
         return lambda *args: met.append(name) or ()
 
     others: Any = SimpleNamespace(events=noted("events"), all=noted("all"))
-    nothing: Any = None
-    answer = with_other_explanations(found, nothing, others)
+    case: Any = SimpleNamespace(base=None, others=others)
+    answer = completion._what_else_it_is(found, case)
     assert met == asked
     assert answer.next_experiment == held.remedy
 

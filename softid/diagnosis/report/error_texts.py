@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from softid.diagnosis.report.phrases import listed, percent_range
 from softid.diagnosis.report.rest_phrases import with_open_moments
-from softid.diagnosis.verdict.held_out_error import ASTRAY
+from softid.diagnosis.verdict.held_out_error import ASTRAY, spread_of
 from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult
 
@@ -31,18 +31,6 @@ def judged_by_blocks(gains: Sequence[Gain]) -> bool:
     """
     fitted = {gain.log for gain in gains if not gain.held_out}
     return any(gain.held_out and gain.log in fitted for gain in gains)
-
-
-def spread_of(gain: Gain) -> float:
-    """Root mean square of what moves in a log, about its mean: error over its share of that.
-
-    Parameters
-    ----------
-    gain
-        The errors in the log.
-    """
-    missed = 1.0 - gain.fit_percent_before / 100.0
-    return gain.rmse_before / missed if missed > 0.0 else math.inf
 
 
 class ErrorTexts:

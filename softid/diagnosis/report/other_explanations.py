@@ -153,14 +153,12 @@ class OtherExplanations:
 def with_other_explanations(
     answer: Diagnosis, base: BaseFit, others: OtherExplanations
 ) -> Diagnosis:
-    """The diagnosis with what explains a misfit that no cause does, or does only in part.
-
-    What begins at a moment is no cause that goes on throughout and leaves more than noise.
+    """The diagnosis with what explains a misfit that no cause does.
 
     Parameters
     ----------
     answer
-        The diagnosis.
+        The diagnosis, in which no name stands that an event outweighs.
     base
         The base fit to the logs.
     others
@@ -172,9 +170,6 @@ def with_other_explanations(
     unasked = [issue.remedy for issue in answer.issues if issue.code == UNASKED_MODEL]
     if unasked:
         return replace(answer, alternatives=(), next_experiment=unasked[0])
-    own = own_parameter_issues(base) if answer.verdict is Verdict.ADEQUATE else ()
-    if own:
-        return _with_differences(answer, difference_issues(base) or own)
     if any(cause.doubt is Doubt.ONE_STEP for cause in answer.descriptive):
         return answer  # what is slow behind a step would begin at a moment
     if is_unknown and not (leaves or answer.descriptive) and is_one_step(base.candidate.problem):
@@ -183,28 +178,42 @@ def with_other_explanations(
             issues=(*answer.issues, one_step_issue()),
             next_experiment=SEVERAL_STEPS,
         )
-    if leaves or (is_unknown and not known):
-        told = others.events(base)
-    if told and answer.causes:
-        described = (*answer.causes, *answer.descriptive)
-        answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
-    elif is_unknown and (leaves or not known):
+    if is_unknown and (leaves or not known):
         left = answer.remainder
         told = others.all(base, min(left.explained_share, left.held_out_share))
     following = [issue.remedy for issue in (*told, *known)]
-    is_told = bool(told) and answer.verdict is Verdict.UNKNOWN
     return replace(
         answer,
-        alternatives=() if is_told else answer.alternatives,  # a tie of descriptions says nothing
+        alternatives=() if told else answer.alternatives,  # a tie of descriptions says nothing
         issues=(*answer.issues, *told),
         next_experiment=following[0] if following else answer.next_experiment,
     )
 
 
-def _with_differences(answer: Diagnosis, differing: Sequence[Issue]) -> Diagnosis:
-    """A diagnosis of which nothing else is told, with what differs between the logs."""
+def differing_log_issues(base: BaseFit) -> tuple[Issue, ...]:
+    """That the logs differ, and in what, though one model leaves no more than noise of them.
+
+    Parameters
+    ----------
+    base
+        The base fit to the logs, of which nothing else is told.
+    """
+    own = own_parameter_issues(base)
+    return difference_issues(base) or own if own else ()
+
+
+def with_differences(answer: Diagnosis, differing: Sequence[Issue]) -> Diagnosis:
+    """A diagnosis of which nothing else is told, with what differs between the logs.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    differing
+        The remarks on that, one at least.
+    """
     issues, following = (*answer.issues, *differing), differing[0].remedy
-    return replace(answer, verdict=Verdict.UNKNOWN, issues=issues, next_experiment=following)
+    return replace(answer, issues=issues, next_experiment=following)
 
 
 def with_law_beside(

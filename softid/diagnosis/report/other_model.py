@@ -12,7 +12,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import SPLITS
 from softid.diagnosis.report.phrases import titles_of
 from softid.diagnosis.search.bic_ranking import is_likelier
-from softid.diagnosis_results import Alternative, Cause, Diagnosis, Verdict
+from softid.diagnosis_results import Alternative, Cause
 from softid.effects import EFFECTS
 from softid.effects.base import Effect
 from softid.errors import Issue, SoftidError
@@ -63,37 +63,25 @@ def unasked_model_issues(
     )
 
 
-def with_other_model(found: Diagnosis, other: OtherModel | None) -> Diagnosis:
-    """The diagnosis with the causes of another model in ties with those that it does without.
+def tie_with_other_model(
+    known: Sequence[Alternative], cause: Cause, added: Sequence[Effect], other: OtherModel
+) -> Alternative:
+    """The tie that a cause is in already, or a new one, with the causes of another model.
 
     A lag behind an actuator whose time constant stays the same at every pressure may be a pole of
-    the actuator itself: no name is sure that another model does not need.
+    the actuator itself.
 
     Parameters
     ----------
-    found
-        A diagnosis in numbers, over the model that softid has chosen.
+    known
+        The ties of the diagnosis.
+    cause
+        A cause that the other model does without.
+    added
+        Those that it has in its place.
     other
-        The other model; None where there is none.
+        The other model.
     """
-    if other is None or found.verdict not in (Verdict.NAMED, Verdict.AMBIGUOUS):
-        return found
-    theirs = {effect.name for effect in other.effects}
-    known = {cause.effect for cause in found.causes}
-    added = [effect for effect in other.effects if effect.name not in known]
-    lost = [cause for cause in found.causes if cause.effect not in theirs]
-    if not added or not lost:
-        return found
-    ties = tuple(_tie(found.alternatives, cause, added, other) for cause in lost)
-    apart = {cause.effect for cause in lost}
-    kept = tuple(a for a in found.alternatives if apart.isdisjoint(a.effects))
-    return replace(found, verdict=Verdict.AMBIGUOUS, alternatives=(*kept, *ties))
-
-
-def _tie(
-    known: Sequence[Alternative], cause: Cause, added: Sequence[Effect], other: OtherModel
-) -> Alternative:
-    """The tie that a cause is in already, or a new one, with the causes of the other model."""
     alone = Alternative((cause.effect,), {cause.effect: 0.0}, "", (cause.key,))
     tie = next((a for a in known if cause.effect in a.effects), alone)
     names, keys = zip(*((effect.name, effect.key) for effect in added), strict=True)

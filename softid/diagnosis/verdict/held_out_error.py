@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -18,7 +19,7 @@ from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
 from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_floor import EXCESS_SDS, fastest_part
 from softid.diagnosis.residual.projection import rows_of
-from softid.diagnosis_results import Remainder
+from softid.diagnosis_results import Gain, Remainder
 from softid.identification.intersample_choice import choice_unless_held
 from softid.identification.parameter_covariance import errors_of
 
@@ -178,3 +179,15 @@ def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, fl
     shrunk[np.ix_(held, held)] = axes * (variances / (1.0 + variances)) @ axes.T
     columns = slopes[:, places] * limits
     return float(np.einsum("mi,ij,mj->", columns, shrunk, columns)) / len(columns)
+
+
+def spread_of(gain: Gain) -> float:
+    """Root mean square of what moves in a log, about its mean: error over its share of that.
+
+    Parameters
+    ----------
+    gain
+        The errors in the log.
+    """
+    missed = 1.0 - gain.fit_percent_before / 100.0
+    return gain.rmse_before / missed if missed > 0.0 else math.inf

@@ -7,7 +7,8 @@ import pytest
 from scipy.signal import lfilter, lsim
 
 from softid import Log, diagnose
-from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT, LAG_TIMES, _lagged
+from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
+from softid.diagnosis.verdict.second_input import LAG_TIMES, _lagged
 from softid.diagnosis_results import Diagnosis, Verdict
 
 TIME_S = np.arange(0.0, 40.0, 0.02)
