@@ -31,7 +31,7 @@ from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import refit_without
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.search.order_of_size import prefix_models
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
     causes_of,

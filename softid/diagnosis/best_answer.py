@@ -9,8 +9,6 @@ from itertools import islice
 
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
-from softid.diagnosis.plainer_model import ModelSearch, OtherModel, PlainerModels
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.issues import unsure_issues
 from softid.diagnosis.report.other_explanations import OtherExplanations
@@ -18,9 +16,11 @@ from softid.diagnosis.report.other_model import tie_with_other_model, unasked_mo
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
-from softid.diagnosis.search_result import SearchResult
-from softid.diagnosis.smoothed_record import smoothed_alone
-from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.over_plainer_models import ModelSearch, OtherModel, PlainerModels
+from softid.diagnosis.searches.search_result import SearchResult
+from softid.diagnosis.searches.smoothed_record import smoothed_alone
+from softid.diagnosis.searches.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis.verdict.revision import exchanged_causes, with_ties
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue

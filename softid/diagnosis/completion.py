@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
-from softid.diagnosis.plainer_model import plainer_model_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.clipped_input import with_clipped_input
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
@@ -39,6 +38,7 @@ from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.searches.over_plainer_models import plainer_model_issues
 from softid.diagnosis.verdict.no_response import no_response
 from softid.diagnosis.verdict.revision import (
     as_unknown,

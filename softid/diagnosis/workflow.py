@@ -26,13 +26,13 @@ from softid.diagnosis.base.judged_intersample import with_judged_intersample
 from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.base.spikes import without_spikes
 from softid.diagnosis.best_answer import best_answer
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.completion import Circumstances, completed
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.other_explanations import OtherExplanations
 from softid.diagnosis.residual.motion import mean_square, residual_context
+from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
 from softid.errors import InputError

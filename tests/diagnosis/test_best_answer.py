@@ -11,7 +11,7 @@ from handmade_diagnosis import diagnosis
 
 from softid.diagnosis import best_answer as module
 from softid.diagnosis.best_answer import best_answer
-from softid.diagnosis.plainer_model import ModelSearch
+from softid.diagnosis.searches.over_plainer_models import ModelSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 
 NOTHING: Any = None

@@ -10,9 +10,9 @@ from typing import Any
 from handmade_diagnosis import remainder
 from handmade_rounds import candidate, ranked
 
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain, Link
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.effects import effect_of
 
 NOISE = remainder(structured=False, explained=1.0)

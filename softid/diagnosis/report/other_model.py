@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
-from softid.diagnosis.plainer_model import OtherModel
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import SPLITS
 from softid.diagnosis.report.phrases import titles_of
 from softid.diagnosis.search.bic_ranking import is_likelier
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.over_plainer_models import OtherModel
 from softid.diagnosis_results import Alternative, Cause
 from softid.effects import EFFECTS
 from softid.effects.base import Effect

@@ -27,7 +27,7 @@ from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES, SPECTRAL_LINE
-from softid.diagnosis.smoothed_record import SMOOTHED_RECORD
+from softid.diagnosis.searches.smoothed_record import SMOOTHED_RECORD
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.quality.causality import LEADING_OUTPUT
 

@@ -13,13 +13,13 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 
 import softid
 from softid.diagnosis.base.base_fit import Request
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.whitening import Whitener, whitener_of
 from softid.diagnosis.residual import jump_timing, noise_model
 from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
 from softid.diagnosis.search import bic_ranking
+from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log, LogSet
 from softid.models.oscillator import Oscillator

@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.verdict.doubts import NO_GAIN, OVER_RECORD
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
 from softid.diagnosis_results import Cause

@@ -19,10 +19,10 @@ from handmade_searches import (
     searched_as,
 )
 
-from softid.diagnosis import cause_search
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches import cause_search
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis_results import Remainder
 from softid.effects import effect_of
 

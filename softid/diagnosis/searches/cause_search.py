@@ -26,8 +26,8 @@ from softid.diagnosis.search.indistinct import (
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.order_of_size import largest_first
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
-from softid.diagnosis.search_memory import SearchMemory
-from softid.diagnosis.search_result import SearchResult, is_same_model
+from softid.diagnosis.searches.search_memory import SearchMemory
+from softid.diagnosis.searches.search_result import SearchResult, is_same_model
 from softid.diagnosis.verdict.doubts import is_within_samples
 from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, may_be_chance, nameable

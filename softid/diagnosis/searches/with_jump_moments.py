@@ -20,7 +20,6 @@ from softid.diagnosis.base.intersample_selection import (
     recordings_with_intersample,
     refitted_as,
 )
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.timed_jumps import with_jumps_at
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutLogs
@@ -30,7 +29,8 @@ from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.verdict.held_out_error import held_out_responses
 from softid.identification.intersample_choice import choice_unless_held
 from softid.intersample import Intersample

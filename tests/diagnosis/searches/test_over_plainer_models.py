@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.plainer_model import PLAINER_MODEL
+from softid.diagnosis.searches.over_plainer_models import PLAINER_MODEL
 from softid.diagnosis_results import Verdict
 from softid.log import Log
 from softid.synthesis import hidden_pair

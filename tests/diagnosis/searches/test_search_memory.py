@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from handmade_searches import NOISE, STRUCTURE, base_fit, chain_of, search_over
 
-from softid.diagnosis.search_memory import SearchMemory
+from softid.diagnosis.searches.search_memory import SearchMemory
 
 if TYPE_CHECKING:
     from softid.diagnosis.refit.candidates import Candidate

@@ -10,10 +10,10 @@ from recovery import all_recovered
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.changes.zero_jumps import ZERO_JUMP
 from softid.diagnosis.report.changes import CHANGE_POINT
-from softid.diagnosis.slip_search import search_without_zero_jumps
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.without_zero_jumps import search_without_zero_jumps
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import effects_of
 from softid.log import Log, LogSet

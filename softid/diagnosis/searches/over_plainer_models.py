@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.bic_ranking import is_likelier, rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import FIRST, Chain, next_link
 from softid.diagnosis.search.screening import screen
+from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.effects.base import Effect
 from softid.errors import IdentificationError, Issue
 from softid.models.base import Model

@@ -19,12 +19,12 @@ from handmade_searches import (
     searched_as,
 )
 
-from softid.diagnosis import strategy
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.search_result import SearchResult
-from softid.diagnosis.strategy import BETTER_BASE, search_causes, search_with_intersample
+from softid.diagnosis.searches import strategy
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
+from softid.diagnosis.searches.strategy import BETTER_BASE, search_causes, search_with_intersample
 from softid.diagnosis_results import Remainder
 
 

@@ -13,15 +13,15 @@ from softid.diagnosis.base.intersample_selection import (
     intersample_after_first_cause,
     recordings_with_intersample,
 )
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain
-from softid.diagnosis.search_result import SearchResult
-from softid.diagnosis.slip_search import search_without_zero_jumps
-from softid.diagnosis.smoothed_ends import search_without_ends
-from softid.diagnosis.timed_search import search_with_jump_moments
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
+from softid.diagnosis.searches.with_jump_moments import search_with_jump_moments
+from softid.diagnosis.searches.without_ends import search_without_ends
+from softid.diagnosis.searches.without_zero_jumps import search_without_zero_jumps
 from softid.intersample import Intersample
 from softid.log import Log
 

@@ -11,11 +11,11 @@ from dataclasses import replace
 from functools import partial
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.zero_jumps import ZeroJump, seen_again, without_jumps, zero_jumps
 from softid.diagnosis.residual.assessment import excess_of
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
 
 ROUNDS = 3
 """Jumps are seen again with the causes that are found without them, so many times in all."""

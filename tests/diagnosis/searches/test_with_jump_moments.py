@@ -10,11 +10,11 @@ import numpy.typing as npt
 import pytest
 
 import softid
-from softid.diagnosis import strategy
 from softid.diagnosis.base.base_fit import Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.timed_jumps import with_jumps_at
-from softid.diagnosis.timed_search import search_with_jump_moments, timed_recordings
+from softid.diagnosis.searches import strategy
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.with_jump_moments import search_with_jump_moments, timed_recordings
 from softid.diagnosis_results import Verdict
 from softid.effects import effects_of
 from softid.log import Log, LogSet

@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import butter, filtfilt, savgol_filter
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.smoothed_record import SMOOTHED_RECORD
+from softid.diagnosis.searches.smoothed_record import SMOOTHED_RECORD
 from softid.diagnosis_results import Verdict
 from softid.log import Log
 from softid.synthesis import hidden_pair

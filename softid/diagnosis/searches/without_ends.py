@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import Recordings, Request
-from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.motion import residual_context
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.verdict.doubts import OVER_RECORD
 from softid.effects import own_values
 from softid.errors import Issue

@@ -11,7 +11,7 @@ from linear_motion import linear_log
 from scipy.signal import butter, filtfilt
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.smoothed_ends import SMOOTHED_ENDS, without_ends
+from softid.diagnosis.searches.without_ends import SMOOTHED_ENDS, without_ends
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 from softid.synthesis import hidden_pair

@@ -1,0 +1,1 @@
+"""Searches for causes from one beginning or another, and which comes when."""
