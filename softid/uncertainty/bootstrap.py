@@ -19,7 +19,7 @@ CI_METHOD = "block-bootstrap"
 """Name of this method in results."""
 
 MIN_BLOCKS = 4
-"""A block is at most this fraction of its segment, so that draws can differ."""
+"""A segment is drawn in so many blocks at least where it has the samples, so that draws differ."""
 
 FEWEST_RESIDUALS = 3
 """As many as a noise model needs, from which the length of a block is known."""
@@ -39,7 +39,7 @@ class BootstrapResult:
     estimates
         One row for each draw, shape (B, K), in the parameters' own units; NaN where a refit failed.
     block
-        Samples in a block.
+        Samples in a block; a segment that holds fewer than four of them has shorter ones.
     """
 
     names: tuple[str, ...]
@@ -73,6 +73,9 @@ class BootstrapResult:
 def common_block(residuals: Iterable[Sequence[Array]]) -> int:
     """Block length for several channels that are drawn together, the longest of their own.
 
+    It follows from the samples of all segments: a short one among them says nothing of the memory
+    of the others, and `resample` shortens its blocks alone.
+
     Parameters
     ----------
     residuals
@@ -80,8 +83,8 @@ def common_block(residuals: Iterable[Sequence[Array]]) -> int:
     """
     lengths = [1]
     for segments in residuals:
-        shortest = min(int(np.count_nonzero(np.isfinite(r))) for r in segments)
-        lengths.append(block_length(fit_ar(segments), max(shortest, 2)))
+        n = sum(int(np.count_nonzero(np.isfinite(r))) for r in segments)
+        lengths.append(block_length(fit_ar(segments), n))
     return max(lengths)
 
 
@@ -143,7 +146,8 @@ def resample(
     rng
         Source of randomness.
     block
-        Block length in samples; by default `block_length` of an autoregression.
+        Block length in samples, of which a segment takes a quarter of its own at most; by default
+        `block_length` of an autoregression for the samples of all.
     fitted_parameters
         Parameters that the fit took from these residuals.
 
@@ -175,31 +179,26 @@ def resample(
             value=n,
             remedy="use a longer log or mask fewer samples",
         )
-    lengths = [block] * len(pools) if block else _own_lengths(residuals, pools)
+    length = block or block_length(fit_ar(residuals), n)
     mean = float(np.concatenate(pools).mean())
     stretch = float(np.sqrt(n / max(n - fitted_parameters, 1)))
     pools = [(pool - mean) * stretch for pool in pools]
-    return _draws(residuals, pools, lengths, rng)
-
-
-def _own_lengths(residuals: Sequence[Array], pools: Sequence[Array]) -> list[int]:
-    """The block length of every segment from an autoregression of all."""
-    ar = fit_ar(residuals)
-    return [block_length(ar, max(pool.size, 2)) for pool in pools]
+    return _draws(residuals, pools, length, rng)
 
 
 def _draws(
     residuals: Sequence[Array],
     pools: Sequence[Array],
-    lengths: Sequence[int],
+    length: int,
     rng: np.random.Generator,
 ) -> Iterator[tuple[Array, ...]]:
     while True:
         drawn = []
-        for residual, pool, length in zip(residuals, pools, lengths, strict=True):
+        for residual, pool in zip(residuals, pools, strict=True):
             out = np.full(residual.size, np.nan)
             if pool.size:
-                out[np.isfinite(residual)] = pool[circular_blocks(pool.size, length, rng)]
+                own = max(min(length, pool.size // MIN_BLOCKS), 1)
+                out[np.isfinite(residual)] = pool[circular_blocks(pool.size, own, rng)]
             drawn.append(out)
         yield tuple(drawn)
 

@@ -6,6 +6,8 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from noise import ar1
 
 from softid.errors import IdentificationError, UsageError
@@ -16,7 +18,7 @@ from softid.uncertainty import (
     fit_ar,
     resample,
 )
-from softid.uncertainty.bootstrap import circular_blocks
+from softid.uncertainty.bootstrap import circular_blocks, common_block
 
 
 def model(rho: float) -> AutoRegression:
@@ -61,6 +63,61 @@ def test_resampling_keeps_gaps_size_and_memory() -> None:
     pair = np.nanmean(table[:, :299] * table[:, 1:300]) / np.nanvar(table)
     own = np.nanmean(residual[:-1] * residual[1:]) / np.nanvar(residual)
     assert pair == pytest.approx((1.0 - 1.0 / 50.0) * own, rel=0.05)
+
+
+@given(
+    rho=st.floats(0.5, 0.97),
+    shorts=st.lists(st.integers(1, 12), max_size=5),
+    seed=st.integers(0, 2**32 - 1),
+)
+@settings(max_examples=30, deadline=None)
+def test_short_segments_do_not_shorten_the_blocks_of_long_ones(
+    rho: float, shorts: list[int], seed: int
+) -> None:
+    """The best length grows with n^(1/3): a few samples more of the same noise add next to nothing.
+
+    The autoregression is fitted to them, too, and a few of 3000 move it a little: a fifth is
+    allowed. It was one sample beside a segment of six.
+    """
+    rng = np.random.default_rng(seed)
+    long = [ar1(rng, 1500, rho), ar1(rng, 1500, rho)]
+    block = common_block([[*long, *(ar1(rng, n, rho) for n in shorts)]])
+    assert block == pytest.approx(common_block([long]), rel=0.2, abs=2)
+
+
+@given(
+    sizes=st.lists(st.integers(0, 60), min_size=1, max_size=6).filter(lambda s: sum(s) > 2),
+    block=st.integers(1, 200),
+)
+@settings(max_examples=60, deadline=None)
+def test_a_segment_is_drawn_in_four_blocks_at_least(sizes: list[int], block: int) -> None:
+    """Samples that are their own places: within a block they rise by one, however long the block
+    that was asked for, and every segment draws of its own alone."""
+    places = [np.arange(n, dtype=float) for n in sizes]
+    drawn = next(resample(places, rng=np.random.default_rng(8), block=block))
+    mean = float(np.concatenate(places).mean())
+    for n, part in zip(sizes, drawn, strict=True):
+        own = max(min(block, n // 4), 1)
+        found = np.rint(part + mean).astype(int)
+        assert found.size == n
+        assert set(found.tolist()) <= set(range(n))
+        inside = np.arange(1, n) % own != 0
+        assert np.all(np.diff(found)[inside] % max(n, 1) == 1 % max(n, 1))
+
+
+def test_errors_do_not_depend_on_a_short_segment() -> None:
+    """Mean of AR(1) 0.97 in two long segments with six samples between them: its standard error is
+    that of the noise's memory, √[(1 + ρ)/(1 − ρ)/n], to the third that blocks of n^(1/3) and 400
+    draws of one record leave; it was a ninth of that."""
+    rng = np.random.default_rng(9)
+    segments = [ar1(rng, n, 0.97) for n in (2000, 6, 2000)]
+    n = sum(part.size for part in segments)
+    exact = np.sqrt(1.97 / 0.03 / n)
+    draws = resample(segments, rng=rng, block=common_block([segments]))
+    means = [np.concatenate(parts).mean() for parts in islice(draws, 400)]
+    assert np.std(means) == pytest.approx(exact, rel=1.0 / 3.0)
+    own = [np.concatenate(parts).mean() for parts in islice(resample(segments, rng=rng), 400)]
+    assert np.std(own) == pytest.approx(exact, rel=1.0 / 3.0)
 
 
 def test_the_same_seed_gives_the_same_draws() -> None:
