@@ -183,14 +183,17 @@ def _doubted_causes(
 ) -> tuple[Cause, ...]:
     """The causes in numbers, with what these say against their names.
 
-    Doubts come last, for they go by all other numbers.
+    Doubts come last, for they go by all other numbers. All errors are those of the recorded
+    samples: shares of them are what the user can check in the log, and a mean of several samples
+    has less noise, so that a share of its error would be a gain that nobody finds.
     """
     measured = causes_of(case.chain, errors, extended, case.base.scale, case.lengths)
     beside = _with_errors_without(
         measured, case.chain, case.base, case.recorded, errors[-1], case.lengths
     )
     varying = [replace(c, variation=v) for c, v in zip(beside, varied, strict=True)]
-    return with_doubts(varying, case.chain, extended, case.remainder, case.base)
+    whole = case.recorded.rms(case.final)
+    return with_doubts(varying, case.chain, extended, case.remainder, case.base, whole)
 
 
 def _is_sure(causes: Sequence[Cause], ties: Sequence[Alternative]) -> bool:

@@ -10,8 +10,14 @@ import numpy as np
 import pytest
 from handmade_diagnosis import FRICTION
 from handmade_searches import base_fit, chain_of
+from linear_motion import TRUTH, linear_angle
 
 from softid.diagnosis import answer, diagnose
+from softid.diagnosis.verdict import doubts
+from softid.diagnosis.verdict.naming import doubt_of
+from softid.diagnosis_results import Cause, Doubt
+from softid.effects.base import Effect
+from softid.log import Log
 from softid.synthesis import hidden_pair
 
 
@@ -35,6 +41,45 @@ def test_what_others_leave_without_a_cause_speaks_for_it_where_it_is_no_loss(
         (alone, FRICTION), chain, base_fit(), held_out, errors, ()
     )
     assert found.holdout_rmse_without == (1.7 if is_told else None)
+
+
+def late_and_drifting(seed: int) -> Log:
+    """Steps of a slow actuator at 500 Hz that are read late by a quarter of a second, and drift."""
+    time_s = np.arange(13000) / 500.0
+    levels = np.random.default_rng(seed).uniform(0.0, 80.0, 6)
+    pressure = np.repeat(levels, 2500)[: time_s.size]
+    late = np.concatenate((np.full(125, pressure[0]), pressure[:-125]))
+    angle = linear_angle(time_s, late, TRUTH | {"N": 100.0}) + 0.01 * time_s
+    angle += 0.02 * np.random.default_rng(seed + 1).standard_normal(time_s.size)
+    channels = {"pressure": pressure, "angle": angle}
+    return Log.from_arrays(time_s, channels, name=f"late {seed}").with_intersample("straight")
+
+
+def test_leaving_nothing_out_leaves_the_same_error_of_averages(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An identity: where the others without a cause are the model with all of them, it gains
+    nothing. Of means of several samples the whole had half the error of its samples, so that any
+    cause seemed to be needed."""
+    told: list[tuple[float | None, float]] = []
+
+    def spy(cause: Cause, effect: Effect, fit: Any, whole: float, *, varies: float) -> Doubt | None:
+        told.append((cause.holdout_rmse_without, whole))
+        return doubt_of(cause, effect, fit, whole, varies=varies)
+
+    monkeypatch.setattr(answer, "asks_for_the_others", lambda *args: True)
+    monkeypatch.setattr(answer, "refit_without", lambda chain, *args: chain.final)
+    monkeypatch.setattr(doubts, "doubt_of", spy)
+    found = diagnose(
+        late_and_drifting(10),
+        hold_out=[late_and_drifting(20)],
+        model="oscillator",
+        effects=["sensor_drift", "delay"],
+    )
+    assert "averaged" in {issue.code for issue in found.issues}
+    assert len(told) >= 2
+    for without, whole in told:
+        assert without == pytest.approx(whole, rel=1e-9)
 
 
 def test_a_term_that_the_base_could_not_see_is_known_beside_a_cause() -> None:

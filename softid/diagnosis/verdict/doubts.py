@@ -69,6 +69,7 @@ def with_doubts(
     extended: FitResult | None,
     remainder: Remainder,
     base: BaseFit,
+    whole: float,
 ) -> tuple[Cause, ...]:
     """The causes with what their numbers say against their names.
 
@@ -84,11 +85,13 @@ def with_doubts(
         What it leaves.
     base
         The base fit.
+    whole
+        Held-out error of the model with all causes, at the samples at which theirs were found.
     """
     if extended is None:
         return tuple(causes)
     final, held_out, scale = chain.final, base.held_out, base.scale
-    whole, varies = held_out.rms(final), most_variation(remainder)
+    varies = most_variation(remainder)
     displaced_by = displacing(final, base.candidate)
     # what differs by direction or by level says more than the motion whose place it takes
     moves_alike = (e.key for e in final.effects if e.is_linear and e.key in displaced_by)
