@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "interrupts"),
+    ("errors", "interrupts", "sentences"),
     ("units", "kernels", "parallel", "even_times", "given_values", "long_series", "toml_files"),
     ("channels", "chi_square", "fingerprint", "intersample", "tie_expressions"),
     ("log_rules", "segment"),

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NoReturn
 import click
 
 from softid.errors import SoftidError
+from softid.sentences import lowered
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -241,9 +242,9 @@ def _told(error: BaseException) -> tuple[str, int]:
         path = error.ctx.command_path if error.ctx else "softid"
         message = _SUGGESTION.sub(r" (did you mean \1?)", _one_line(error.format_message()))
         message = message.replace(". (Did", " (did").rstrip(".")
-        return f"error: {_lowered(message)}; see `{path} --help`.", error.exit_code
+        return f"error: {lowered(message)}; see `{path} --help`.", error.exit_code
     if isinstance(error, click.ClickException):
-        return f"error: {_lowered(_one_line(error.format_message()))}", error.exit_code
+        return f"error: {lowered(_one_line(error.format_message()))}", error.exit_code
     if isinstance(error, KeyboardInterrupt | click.Abort):
         return f"interrupted: {error}." if str(error) else "interrupted.", INTERRUPTED
     if isinstance(error, BrokenPipeError):
@@ -277,10 +278,6 @@ def _where(error: BaseException) -> str:
 
 def _one_line(text: str) -> str:
     return " ".join(text.split())
-
-
-def _lowered(text: str) -> str:
-    return text[:1].lower() + text[1:]
 
 
 def _settle_stdout() -> None:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from softid.effects.base import StateEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.one_start import OneStart
 from softid.effects.shared_laws.steady_change import relative_rate
 from softid.kernels.terms import STIFFNESS
 from softid.parameters import ParameterSet
 
 
 @dataclass(frozen=True)
-class Ageing(StateEffect):
+class Ageing(OneStart, StateEffect):
     r"""Stiffness that changes at a constant rate, Q (1 + r t).
 
     To first order in time an actuator that warms up or wears changes so over a long log.
@@ -51,10 +51,6 @@ class Ageing(StateEffect):
         """The rate r; a negative one leaves a tenth of the stiffness at the end of the log."""
         meaning = "share of the stiffness gained each second"
         return relative_rate("r", scale, meaning=meaning, source=self.source)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """One, since the effect is nearly linear in its rate."""
-        return (self.parameters(scale).values_dict(),)
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:

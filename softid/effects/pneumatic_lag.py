@@ -113,8 +113,7 @@ class SeparatePneumaticLag(PneumaticLag):
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Two times, each with faster and with slower venting."""
-        times = lag_times(scale)[1:]
-        return tuple({"tau": tau, "ratio": ratio} for tau in times for ratio in RATIOS)
+        return _starts_either_way(scale)
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The input lagged by the time constant of its direction."""
@@ -172,8 +171,7 @@ class LevelPneumaticLag(PneumaticLag):
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Two times, growing and shrinking with the pressure."""
-        times = lag_times(scale)[1:]
-        return tuple({"tau": tau, "ratio": ratio} for tau in times for ratio in RATIOS)
+        return _starts_either_way(scale)
 
     def law_at(self, scale: Scale) -> str:
         """With the ends of the pressure."""
@@ -202,3 +200,9 @@ def ratio_of_times(meaning: str, source: str) -> Parameter:
         Of which two, and where that is found.
     """
     return Parameter("ratio", RATIOS[1], "1", *RATIO_BOUNDS, "log", meaning=meaning, source=source)
+
+
+def _starts_either_way(scale: Scale) -> tuple[Mapping[str, float], ...]:
+    """Two times, each with either of `RATIOS`."""
+    times = lag_times(scale)[1:]
+    return tuple({"tau": tau, "ratio": ratio} for tau in times for ratio in RATIOS)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from softid.effects.base import MOST_LOST, StateEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.one_start import OneStart
 from softid.kernels.terms import INERTIA
 from softid.parameters import Parameter, ParameterSet
 
@@ -20,7 +20,7 @@ SHARE = 0.3
 
 
 @dataclass(frozen=True)
-class PressureMass(StateEffect):
+class PressureMass(OneStart, StateEffect):
     r"""Inertia that depends on the input, M (1 + m u).
 
     The fluid that fills the chambers moves along, and a longer or wider chamber carries its wall
@@ -68,10 +68,6 @@ class PressureMass(StateEffect):
                 ),
             )
         )
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """One, since the effect is nearly linear in its coefficient."""
-        return (self.parameters(scale).values_dict(),)
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from softid.effects.base import LEAST_AMPLITUDE, StateEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.one_start import OneStart
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
@@ -31,7 +32,7 @@ SMOOTH = 1e-3
 
 
 @dataclass(frozen=True)
-class QuadraticDamping(StateEffect):
+class QuadraticDamping(OneStart, StateEffect):
     r"""Resistance with the square of the speed, + d2 v |v|.
 
     Turbulent flow through narrow channels, and the drag of the surrounding fluid, resist so.
@@ -78,10 +79,6 @@ class QuadraticDamping(StateEffect):
                 ),
             )
         )
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """One, since the effect is linear in its coefficient."""
-        return (self.parameters(scale).values_dict(),)
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.one_start import OneStart
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -24,7 +24,7 @@ START_SHARE = 0.05
 
 
 @dataclass(frozen=True)
-class SensorDrift(OutputEffect):
+class SensorDrift(OneStart, OutputEffect):
     """Drift at a constant rate r, y + r t.
 
     Source: Fraden, *Handbook of Modern Sensors*, 5th ed. 2016, ch. 3.
@@ -59,10 +59,6 @@ class SensorDrift(OutputEffect):
                 ),
             )
         )
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """One, since the effect is linear in its rate."""
-        return (self.parameters(scale).values_dict(),)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """Add r t."""

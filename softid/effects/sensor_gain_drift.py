@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.one_start import OneStart
 from softid.effects.shared_laws.steady_change import relative_rate
 from softid.parameters import ParameterSet
 
@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class SensorGainDrift(OutputEffect):
+class SensorGainDrift(OneStart, OutputEffect):
     """Gain that changes at a constant rate, y (1 + g t), t from the start of the log.
 
     At rest it is what a stiffness that changes with time does; in motion that changes the time
@@ -55,10 +55,6 @@ class SensorGainDrift(OutputEffect):
         """The rate g; a negative one leaves a tenth of the gain at the end of the log."""
         meaning = "relative change of the gain per second"
         return relative_rate("g", scale, meaning=meaning, source=self.source)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """One, since the effect is linear in its rate."""
-        return (self.parameters(scale).values_dict(),)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """Multiply by 1 + g t."""

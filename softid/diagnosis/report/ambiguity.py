@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, listed, lowered, title_of, titles_of
+from softid.diagnosis.report.phrases import VARIATIONS, listed, title_of, titles_of
 from softid.diagnosis.report.rest_phrases import variables_left
 from softid.diagnosis.report.splits import split_in_words, why_tied_here
 from softid.diagnosis.residual.disturbances import CODES
@@ -28,6 +28,7 @@ from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.models import MODELS
 from softid.results import FitResult
+from softid.sentences import lowered
 
 MOST_TIED = 4
 """Most causes of a tie that a sentence names, the last among them, which may stand for others; the

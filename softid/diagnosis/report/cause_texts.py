@@ -10,7 +10,6 @@ from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.evidence_text import evidence_text
 from softid.diagnosis.report.phrases import (
     listed,
-    lowered,
     named_whole,
     title_of,
     told_apart,
@@ -20,6 +19,7 @@ from softid.diagnosis.report.phrases import (
 from softid.diagnosis.verdict.equivalence import EquivalenceClass, classes_of
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Alternative, Cause, Evidence, Remainder, cause_before
+from softid.sentences import lowered
 
 COUNTS = {2: "Two", 3: "Three", 4: "Four", 5: "Five", 6: "Six"}
 """Numbers of causes as a sentence begins with them."""

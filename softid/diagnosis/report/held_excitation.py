@@ -12,6 +12,7 @@ from softid.diagnosis.verdict.separations import CHIRP, HOLD, SINE, STAIRCASE, S
 from softid.errors import Issue
 from softid.excitation import SettledWindow, Stretch, distinct_levels, excitation_and_holds
 from softid.log import Log
+from softid.quality.abilities import CREEP_HOLD_S, LEVEL_SPACING
 
 QUICK_S = 0.15
 """Time in which an input makes most of its way in a quick change. A judgement: a usual valve takes
@@ -29,12 +30,6 @@ LEAST_CHANGE = 0.15
 
 FEW = 3
 """Quick changes that make an experiment: one up and one down are the least, and one may be lost."""
-
-LONG_HOLD_S = 20.0
-"""Time of the hold, and of the rest, that shows what is slow: see `HOLD`."""
-
-LEVEL_SPACING = 0.05
-"""Share of the input's range by which two levels differ at least."""
 
 BOTH_WAYS = 2
 """Levels reached from below and from above that make a staircase up and down."""
@@ -178,7 +173,7 @@ def _holds_and_rests(log: Log, windows: Sequence[SettledWindow]) -> bool:
     long = [
         window
         for window in windows
-        if log.time_s[window.stop - 1] - log.time_s[window.start] >= LONG_HOLD_S
+        if log.time_s[window.stop - 1] - log.time_s[window.start] >= CREEP_HOLD_S
     ]
     least = LEAST_CHANGE * float(np.ptp(log.channels[log.input].values))
     return any(a.level - b.level >= least for a, b in pairwise(long))

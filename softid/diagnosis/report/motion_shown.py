@@ -9,10 +9,11 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.logs.one_frequency import sine_lag
 from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.report.held_excitation import held_experiments, moves_quickly
-from softid.diagnosis.report.phrases import lowered, percent
+from softid.diagnosis.report.phrases import percent
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 from softid.fitters.problem import Problem
+from softid.sentences import lowered
 
 Array = npt.NDArray[np.float64]
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIABLE_WORDS, lowered
+from softid.diagnosis.report.phrases import VARIABLE_WORDS
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.results import FitResult, ParameterEstimate
+from softid.sentences import lowered
 
 
 def outside_intervals(

@@ -12,6 +12,7 @@ from softid.diagnosis_results import CARRIED, Cause, Doubt, Remainder
 from softid.effects import EFFECTS, confusable_with
 from softid.interval_words import value_in_words
 from softid.results import ParameterEstimate
+from softid.sentences import lowered, sentence
 from softid.uncertainty.profile import CI_METHOD as PROFILE
 
 VARIABLE_WORDS = {
@@ -103,16 +104,6 @@ def told_apart(parts: Sequence[str]) -> str:
     ('a from b', 'a, b and c apart')
     """
     return " from ".join(parts) if len(parts) < 3 else f"{listed(parts)} apart"
-
-
-def lowered(text: str) -> str:
-    """The text with a small first letter."""
-    return text[:1].lower() + text[1:]
-
-
-def sentence(text: str) -> str:
-    """The text with a capital letter and a full stop."""
-    return f"{text[:1].upper()}{text[1:]}."
 
 
 def percent(value: float) -> str:

@@ -14,11 +14,12 @@ from softid.diagnosis.report.ambiguity import (
 from softid.diagnosis.report.cause_texts import all_in_one, paragraphs_of
 from softid.diagnosis.report.descriptions import described, outdone
 from softid.diagnosis.report.error_texts import ErrorTexts, judged_by_blocks
-from softid.diagnosis.report.phrases import given_up, sentence
+from softid.diagnosis.report.phrases import given_up
 from softid.diagnosis.report.remarks import Remarks
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.report.what_is_left import WhatIsLeft
 from softid.diagnosis_results import Diagnosis, Verdict, dropped_from
+from softid.sentences import sentence
 
 
 def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagnosis:

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.parameter_doubts import less_sure, outside_intervals
-from softid.diagnosis.report.phrases import lowered, title_of, titles_of
+from softid.diagnosis.report.phrases import title_of, titles_of
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis_results import Diagnosis
+from softid.sentences import lowered
 
 TIED_REMEDY = "record what tells the causes of the tie apart"
 

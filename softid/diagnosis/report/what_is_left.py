@@ -11,10 +11,8 @@ from softid.diagnosis.report.phrases import (
     VARIABLE_WORDS,
     doubt_about,
     listed,
-    lowered,
     percent,
     percent_below,
-    sentence,
     taken_by,
     title_of,
     titles_of,
@@ -31,6 +29,7 @@ from softid.diagnosis.report.rest_phrases import (
     with_open_moments,
 )
 from softid.diagnosis_results import NOTABLE, Alternative, Cause, Remainder
+from softid.sentences import lowered, sentence
 
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""

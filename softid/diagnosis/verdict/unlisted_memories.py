@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,8 @@ from softid.kernels.terms import FORCE, RATE
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
+
+CREEP, HYSTERESIS = (cast(StateEffect, effect_of(name)) for name in ("creep", "hysteresis"))
 
 LEAST_GAIN, MOST_GAIN = -0.9, 30.0
 """Bounds of what a loop gains over the range of positions, as a share of it at the lower end."""
@@ -47,7 +49,7 @@ class SecondCreep(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Stiffness and time of a creep."""
-        return effect_of("creep").parameters(scale)
+        return CREEP.parameters(scale)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Times from a hundredth to more than half of the log, for the first creep has any."""
@@ -56,11 +58,7 @@ class SecondCreep(StateEffect):
         wanted = np.clip(np.array(CREEP_TIMES) * scale.duration_s, tau.lower, tau.upper)
         return tuple({"k": k.value, "tau": time_s} for time_s in np.unique(wanted).tolist())
 
-    @staticmethod
-    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Force k (x − z), and ż = (x − z)/τ."""
-        out[FORCE] += eta[0] * (x - z)
-        out[RATE] += (x - z) / eta[1]
+    step = staticmethod(CREEP.step)
 
 
 @dataclass(frozen=True)
@@ -86,23 +84,17 @@ class SecondHysteresis(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Half height and distance of a hysteresis."""
-        return effect_of("hysteresis").parameters(scale)
+        return HYSTERESIS.parameters(scale)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """The distances of a hysteresis, for the first one has any."""
-        return effect_of("hysteresis").starts(scale)
+        return HYSTERESIS.starts(scale)
 
     def rate(self, eta: Array, scale: Scale) -> float:
         """That of a hysteresis."""
-        first = effect_of("hysteresis")
-        assert isinstance(first, StateEffect)
-        return first.rate(eta, scale)
+        return HYSTERESIS.rate(eta, scale)
 
-    @staticmethod
-    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Force α z, and ż = (v − |v| z)/zs."""
-        out[FORCE] += eta[0] * z
-        out[RATE] += (v - abs(v) * z) / eta[1]
+    step = staticmethod(HYSTERESIS.step)
 
 
 @dataclass(frozen=True)

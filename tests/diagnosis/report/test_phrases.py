@@ -11,7 +11,6 @@ from handmade_diagnosis import cause, diagnosis, estimate, remainder
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.phrases import (
     doubt_about,
-    lowered,
     percent_below,
     percent_range,
     taken_by,
@@ -22,6 +21,7 @@ from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.verdict.naming import nameable
 from softid.diagnosis_results import Diagnosis, Doubt, Variation, Verdict
 from softid.errors import Issue
+from softid.sentences import lowered
 
 
 def told(found: Diagnosis) -> str:
