@@ -14,6 +14,7 @@ from desk import Desk, Outcome
 from handmade import fit_result, step_log
 
 from softid.log import Log
+from softid.records import save_fit
 from softid_cli.main import run
 
 
@@ -35,6 +36,13 @@ def softid(
         return Outcome(code, captured.out, captured.err)
 
     return call
+
+
+@pytest.fixture
+def params(tmp_path: Path) -> Path:
+    """The file of a hand-made fit."""
+    save_fit(fit_result(), tmp_path / "params.json")
+    return tmp_path / "params.json"
 
 
 @pytest.fixture

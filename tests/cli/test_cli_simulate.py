@@ -24,12 +24,6 @@ ZERO_RAD = 0.1 / 3  # the hand-made sensor zero of both logs
 
 
 @pytest.fixture
-def params(tmp_path: Path) -> Path:
-    save_fit(fit_result(), tmp_path / "params.json")
-    return tmp_path / "params.json"
-
-
-@pytest.fixture
 def plan(tmp_path: Path) -> Path:
     """Time and pressure, nothing measured; the highest pressure is that of the fit."""
     path = tmp_path / "plan.csv"

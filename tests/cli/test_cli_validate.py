@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 from desk import Desk, Outcome
-from handmade import fit_result, validation
+from handmade import validation
 
 from softid.log import Log
-from softid.records import SavedModel, save_fit
+from softid.records import SavedModel
 from softid.results import Validation
 
 Cli = Callable[..., Outcome]
@@ -65,12 +65,6 @@ def asked(monkeypatch: pytest.MonkeyPatch, desk: Desk) -> dict[str, Any]:
     fake.self_check = lambda *, progress: calls["check"]  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "softid.validation", fake)
     return calls
-
-
-@pytest.fixture
-def params(tmp_path: Path) -> Path:
-    save_fit(fit_result(), tmp_path / "params.json")
-    return tmp_path / "params.json"
 
 
 def test_scores(softid: Cli, asked: dict[str, Any], params: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from legends import labels
 from matplotlib.figure import Figure
 
 from softid.plots.branches import draw_branches
@@ -16,10 +17,6 @@ from softid.plots.static_curve import Levels, draw_static_curve
 
 PRESSURE = Display("pressure", "kPa")
 ANGLE = Display("angle", "deg", 180.0 / np.pi)
-
-
-def labels(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 def levels(name: str, *, in_sample: bool) -> Levels:

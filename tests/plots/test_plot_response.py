@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from handmade import DEGREE, simulation, statistics, step_log
+from legends import labels
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -21,10 +22,6 @@ Array = np.ndarray
 def panels(figure: Figure) -> tuple[Axes, Axes, Axes]:
     top, main, below = figure.axes
     return top, main, below
-
-
-def labels(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 def line(axes: Axes, start: str) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from drawn_logs import follow
+from inspected import codes
 
 from softid.log import Log
 from softid.quality import Inspection, inspect
@@ -28,10 +29,6 @@ def held_log(
     angle[list(zeros)] = 0.0
     channels = {"pressure": pressure, "angle": angle, **others}
     return inspect(Log.from_arrays(time_s, channels, units={"angle": "deg"}))
-
-
-def codes(found: Inspection) -> set[str]:
-    return {issue.code for issue in found.issues}
 
 
 def test_a_settling_output_is_explained() -> None:

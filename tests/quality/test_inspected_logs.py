@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from inspected import codes
 
 from softid.excitation import Stretch
 from softid.quality import Inspection, inspect
@@ -30,10 +31,6 @@ BEND_SENSOR = {
 @cache
 def inspected(path: Path) -> Inspection:
     return inspect(load(path))
-
-
-def codes(found: Inspection) -> set[str]:
-    return {issue.code for issue in found.issues}
 
 
 def longest_kind(stretches: Sequence[Stretch]) -> str:

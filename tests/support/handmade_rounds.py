@@ -70,6 +70,12 @@ def link(fall: float, *, before: float = 100.0, after: float = 50.0, key: str = 
     return Link(base, (chosen, base), chosen, (key,), (), before)
 
 
+def link_of(key: str) -> Link:
+    """The same of one form of an effect; it is known by the effect's name."""
+    base, chosen = ranked((), 0.0), ranked((key,), -500.0)
+    return Link(base, (chosen, base), chosen, (key.split(".")[0],), (), 100.0)
+
+
 def bare_link(squares_before: float, *rivals: str) -> Any:
     """A link of which only the sum of squares and the rivals are looked at."""
     none: Any = None

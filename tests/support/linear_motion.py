@@ -82,6 +82,12 @@ def linear_problem(logs: Sequence[Log], *, fixed: bool = False) -> Problem:
     return Problem(MODEL, declared.with_fixed(TRUTH) if fixed else declared, logs)
 
 
+def base_problem() -> tuple[Problem, Scale]:
+    """The oscillator over one log under noise of 0.01 rad, and its sizes at the truth."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    return problem, scale_of(problem, problem.unknowns(TRUTH))
+
+
 def standing(problem: Problem, z: Array, sigma: Mapping[str, float] = SIGMA) -> Candidate:
     """The candidate without effects that stands at ``z``, held by no prior."""
     cost = sum(
@@ -92,6 +98,12 @@ def standing(problem: Problem, z: Array, sigma: Mapping[str, float] = SIGMA) -> 
     normal = NormalEquations(z, cost, np.zeros(size), np.eye(size), problem.n_samples)
     prior = TemperedPrior(z.copy(), np.zeros(size), 1.0)
     return Candidate((), problem, Minimum(z, normal, 0, 0.0), prior)
+
+
+def at_truth(log: Log) -> Candidate:
+    """The candidate without effects that stands at the truth over one log."""
+    problem = linear_problem([log])
+    return standing(problem, problem.unknowns(TRUTH))
 
 
 def parabolic() -> tuple[Candidate, Scale]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+from linear_motion import SIGMA, TRUTH, Bow, base_problem, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import (
     BASE_SD,
@@ -20,11 +20,9 @@ from softid.diagnosis.refit.candidates import (
     limited_plans,
     prior_about,
 )
-from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import ExtendedModel, effect_of
-from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.models.division import NODES_PER_STEP, SMOOTH_NODES
 from softid.parameters import Parameter
@@ -34,11 +32,6 @@ DRIFT, LAG, FRICTION = (
 )
 KNOWN = ("M", "N", "Q")
 SIGMA_OF = {(0, "angle"): SIGMA["angle"]}
-
-
-def base_problem() -> tuple[Problem, Scale]:
-    problem = linear_problem([linear_log(noise=0.01)])
-    return problem, scale_of(problem, problem.unknowns(TRUTH))
 
 
 def test_weights_of_the_prior() -> None:

@@ -7,14 +7,13 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
-from linear_motion import MODEL, TRUTH, linear_log, linear_problem
+from linear_motion import MODEL, TRUTH, base_problem, linear_log, linear_problem
 from scipy.integrate import solve_ivp
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.effects import effect_of
-from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.log import Log
 
@@ -24,11 +23,6 @@ AGEING, DRIFT, LAG, FRICTION = (
     effect_of(name) for name in ("ageing", "sensor_drift", "pneumatic_lag", "coulomb_friction")
 )
 KNOWN = ("M", "N", "Q")
-
-
-def base_problem() -> tuple[Problem, Scale]:
-    problem = linear_problem([linear_log(noise=0.01)])
-    return problem, scale_of(problem, problem.unknowns(TRUTH))
 
 
 def test_effects_are_added_to_those_that_are_there() -> None:

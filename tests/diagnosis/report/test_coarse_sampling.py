@@ -7,21 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from handmade_diagnosis import diagnosis
-from linear_motion import TRUTH, linear_log, linear_problem, standing
+from linear_motion import at_truth, linear_log
 
-from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.coarse_sampling import (
     COARSE_SAMPLING,
     coarse_sampling_issues,
     with_coarse_sampling,
 )
 from softid.diagnosis_results import Verdict
-from softid.log import Log
-
-
-def base_of(log: Log) -> Candidate:
-    problem = linear_problem([log])
-    return standing(problem, problem.unknowns(TRUTH))
 
 
 @pytest.mark.parametrize(("noise", "told"), [(0.01, True), (0.03, False)])
@@ -30,7 +23,7 @@ def test_jumps_within_an_interval_are_told_where_they_make_what_is_left(
 ) -> None:
     """By hand: eight jumps of about 60 kPa in 20 s, each Δ T/√12 = 0.35 kPa·s off, with Q = 50
     kPa/rad and a time constant of 0.2 s make 0.007 rad rms, half the power of a noise of 0.01."""
-    found = coarse_sampling_issues(base_of(linear_log(noise=noise)))
+    found = coarse_sampling_issues(at_truth(linear_log(noise=noise)))
     assert bool(found) is told
     if told:
         assert "pressure moves faster than it is sampled, every 0.02 s" in found[0].message
@@ -39,8 +32,8 @@ def test_jumps_within_an_interval_are_told_where_they_make_what_is_left(
 
 def test_what_is_held_or_open_is_not_told_again() -> None:
     log = linear_log(noise=0.01)
-    assert not coarse_sampling_issues(base_of(log.with_intersample("zoh")))
-    assert not coarse_sampling_issues(base_of(log), open_jumps=8)
+    assert not coarse_sampling_issues(at_truth(log.with_intersample("zoh")))
+    assert not coarse_sampling_issues(at_truth(log), open_jumps=8)
 
 
 def test_a_slower_gauge_counts_by_its_readings() -> None:
@@ -51,7 +44,7 @@ def test_a_slower_gauge_counts_by_its_readings() -> None:
     course = np.interp(log.time_s, read_s, pressure.values[::5])
     channels = {**log.channels, "pressure": replace(pressure, values=course)}
     slow = replace(log, channels=channels, input_read_s=read_s)
-    (found,) = coarse_sampling_issues(base_of(slow))
+    (found,) = coarse_sampling_issues(at_truth(slow))
     assert "every 0.1 s" in found.message
 
 
@@ -59,7 +52,7 @@ def test_a_slower_gauge_counts_by_its_readings() -> None:
 def test_an_unknown_cause_asks_for_faster_samples_first(verdict: Verdict) -> None:
     """A cause that is named has its own experiment."""
     answer = replace(diagnosis(verdict), next_experiment="repeat it")
-    told = with_coarse_sampling(answer, base_of(linear_log(noise=0.01)))
+    told = with_coarse_sampling(answer, at_truth(linear_log(noise=0.01)))
     is_told = COARSE_SAMPLING in {issue.code for issue in told.issues}
     assert is_told is (verdict is Verdict.UNKNOWN)
     assert ("several times as fast" in (told.next_experiment or "")) is is_told

@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_motion import TRUTH, linear_log, linear_problem, standing
+from linear_motion import at_truth, linear_log
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.rounding_floor import rounding_floor
 from softid.diagnosis_results import Verdict
 from softid.log import Log
@@ -17,11 +16,6 @@ from softid.synthesis import hidden_pair
 from softid.synthesis.rig import Rig
 
 STEP = 0.05
-
-
-def at_truth(log: Log) -> Candidate:
-    problem = linear_problem([log])
-    return standing(problem, problem.unknowns(TRUTH))
 
 
 def rounded(log: Log) -> Log:

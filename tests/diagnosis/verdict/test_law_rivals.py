@@ -10,25 +10,19 @@ import numpy as np
 import pytest
 from extended_fits import scale_of as sizes_of
 from handmade_diagnosis import cause, estimate
-from handmade_rounds import ranked
+from handmade_rounds import link_of
 from linear_motion import TRUTH, linear_angle, linear_log, linear_problem, standing
 from scipy.signal import lsim
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
-from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.law_rivals import own_time, with_law_rivals
 from softid.effects import effect_of
 from softid.effects.scale import Scale
 from softid.log import Log
 
 OWN_S = TRUTH["N"] / TRUTH["Q"]
-
-
-def link_of(key: str) -> Link:
-    base, chosen = ranked((), 0.0), ranked((key,), -500.0)
-    return Link(base, (chosen, base), chosen, (key.split(".")[0],), (), 100.0)
 
 
 def linear_with(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from handmade_rounds import ranked
+from handmade_rounds import link_of
 from late_gauge import with_a_late_gauge
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
@@ -17,7 +17,7 @@ from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.refit.candidates import Candidate, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.report.ambiguity import law_that_ties
-from softid.diagnosis.search.forward_selection import Link, converged
+from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.verdict.equivalence import CHANGING, TWO_HYSTERESES
 from softid.diagnosis.verdict.replacements import (
     REPLACEMENTS,
@@ -33,11 +33,6 @@ from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.log import Log, LogSet
 from softid.synthesis import hidden_pair
-
-
-def link_of(key: str) -> Link:
-    base, chosen = ranked((), 0.0), ranked((key,), -500.0)
-    return Link(base, (chosen, base), chosen, (key.split(".")[0],), (), 100.0)
 
 
 def base_of(log: Log, judge: Log) -> BaseFit:
