@@ -116,7 +116,7 @@ def test_a_hidden_effect_is_found(name: str) -> None:
 def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> None:
     """The base takes the sensor's time for its own, so nothing is left of it where the lag begins.
 
-    It was a resonance of the line, or that and a creep, which is a wrong name.
+    A resonance of the line, or that and a creep, would be a wrong name.
     """
     pair = hidden_pair(["sensor_lag"], seed=seed, values={"sensor_lag": {"tau": tau}})
     found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
@@ -139,8 +139,8 @@ def with_pressure_read_by(pair: HiddenPair, read: Callable[[Array], Array]) -> t
 
 @pytest.mark.parametrize("seed", [31, *(pytest.param(s, marks=pytest.mark.slow) for s in (32, 33))])
 def test_the_rounding_of_the_pressure_is_no_misfit(seed: int) -> None:
-    """A converter of 64 steps over the range; it was unknown, for a level is off as long as it
-    is held. A creep is found through it all the same."""
+    """A converter of 64 steps over the range: a level is off as long as it is held, and that is no
+    misfit of the model. A creep is found through it all the same."""
 
     def rounded(values: Array) -> Array:
         step = np.ptp(values) / 64.0
@@ -158,8 +158,8 @@ def test_the_rounding_of_the_pressure_is_no_misfit(seed: int) -> None:
 def test_a_pressure_smoothed_afterwards_is_no_resonance(seed: int) -> None:
     """A mean over five samples, as one takes to make a plot look clean; nothing is hidden.
 
-    It was a resonance of the line of six samples without damping, which undoes the mean. It only
-    describes the misfit; what is told is the mean itself, of five times 10 ms.
+    A resonance of the line of six samples without damping undoes the mean. It only describes the
+    misfit; what is told is the mean itself, of five times 10 ms.
     """
 
     def smoothed(values: Array) -> Array:
@@ -178,10 +178,8 @@ def test_a_pressure_smoothed_afterwards_is_no_resonance(seed: int) -> None:
 
 @pytest.mark.slow
 def test_a_resonance_slower_than_its_actuator_is_found() -> None:
-    """The base takes a part of its period for its own: no start near the base's own time leads on.
-
-    It was unknown, with two descriptions.
-    """
+    """The base takes a part of its period for its own: no start near the base's own time leads on,
+    and one from afar is needed."""
     pair = hidden_pair(["line_resonance"], seed=4, size=3.0)
     found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
     (cause,) = found.causes
@@ -195,7 +193,7 @@ def test_a_resonance_slower_than_its_actuator_is_found() -> None:
 def test_a_wall_that_stands_for_clipping_is_seen_through() -> None:
     """A wall of the largest stiffness leaves what looks like noise, and its numbers refuse a name.
 
-    It was unknown: no other first cause was tried, as what was left looked like noise.
+    Other first causes are tried all the same.
     """
     assert outcome_of(["sensor_clipping", "contact"], seed=104).told == {
         "sensor_clipping",
@@ -207,7 +205,7 @@ def test_a_wall_that_stands_for_clipping_is_seen_through() -> None:
 def test_a_curve_that_stands_for_two_is_seen_through() -> None:
     """A static curve in the place of a spring that softens takes most of what a valve does, too.
 
-    It was in a tie with that spring, missed four fifths of what was held out, and stayed.
+    It misses what is held out, so that it may not stay in a tie with that spring.
     """
     names = ["stiffening", "valve_flow"]
     pair = hidden_pair(names, seed=140521, model="oscillator", protocol="triangles")
@@ -219,7 +217,7 @@ def test_a_curve_that_stands_for_two_is_seen_through() -> None:
 def test_a_reading_that_drifts_is_clipped() -> None:
     """What drifts passes the end of the range later or not at all.
 
-    The drift was added behind the clipping only, and a static curve described what that missed.
+    Behind the clipping only, a drift would leave something for a static curve to describe.
     """
     names = ["sensor_clipping", "sensor_drift"]
     assert outcome_of(names, seed=401).told == set(names)
@@ -316,7 +314,7 @@ def test_a_contact_beyond_what_the_model_reaches_is_found() -> None:
 def test_a_hysteresis_that_turns_over_the_whole_range_is_found() -> None:
     """Known truth: a loop whose branches never arrive, as long as the range without it.
 
-    It ran into the bound of its distance and was unknown, with a softening beside it.
+    The bound of its distance lies beyond that.
     """
     sizes = hidden_pair([], seed=231003, model="oscillator").sizes
     values = {"alpha": 0.6 * sizes.force, "zs": sizes.x_span}

@@ -57,7 +57,7 @@ def test_series_keep_their_order_and_units() -> None:
 
 
 def test_the_label_of_a_logarithmic_axis_stays_on_the_paper() -> None:
-    """Decades as plain numbers: the label was once pushed off the left edge by their markup."""
+    """Decades as plain numbers: their markup would push the label off the left edge."""
     figure = draw_series(
         [Series("a", [0.0, 1.0], [1e-3, 1e3])], x=PRESSURE, y=PRESSURE, title="t", log_y=True
     )

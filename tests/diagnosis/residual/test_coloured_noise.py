@@ -76,7 +76,7 @@ def test_slow_noise_is_told(white: float, time_s: float) -> None:
 def test_noise_that_the_means_forget_is_told(white: float, time_s: float) -> None:
     """Known truth: means of a quarter of a second and less are white, with no time of their own.
 
-    It was that of two coefficients that cancel, of seconds in some of the draws, and no noise.
+    Two coefficients that nearly cancel have a time of seconds, which is none of the noise's.
     """
     told = []
     for seed in range(1000, 1000 + DRAWS):

@@ -165,8 +165,8 @@ def test_both_noises_add_up() -> None:
     ],
 )
 def test_a_noisy_gauge_is_no_misfit(hidden: str, seed: int) -> None:
-    """With a noise of 1 % of the range a clean log was unknown, and a cause was partial: what the
-    noise of the pressure made was left. Another law may still do as well as the hidden one."""
+    """Noise of 1 % of the range: what it makes of the motion is left by a true model, too, and is
+    noise. Another law may still do as well as the hidden one."""
     rng = np.random.default_rng(seed)
     fitted, held_out = (
         _with_noise(log, rng) for log in hidden_pair([hidden] if hidden else [], seed=seed).logs
@@ -196,7 +196,7 @@ def test_a_course_that_is_sampled_well_is_not_drawn() -> None:
 
 @pytest.mark.parametrize(("hidden", "seed"), [("", 3), ("dead_zone", 1)])
 def test_what_the_input_did_between_its_samples_is_no_misfit(hidden: str, seed: int) -> None:
-    """At 50 Hz behind a valve of 20 ms a clean log was unknown, and so was a dead zone."""
+    """At 50 Hz behind a valve of 20 ms the input bends between two samples, and nobody sees how."""
     rig = Rig(rate_hz=50.0, valve_s=0.02, pressure_noise_kpa=0.0, noise=0.001)
     names = [hidden] if hidden else []
     (log, judge) = hidden_pair(names, seed=seed, model="muscle", protocol="levels", rig=rig).logs

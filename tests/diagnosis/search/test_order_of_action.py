@@ -156,8 +156,8 @@ def test_what_is_added_acts_before_the_end_of_the_range(known: str, added: str, 
 
 @pytest.mark.parametrize("seed", [321013, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_limit_in_front_of_a_drift_stays_in_the_race(seed: int) -> None:
-    """The drift is found first. Behind it a limit cuts what it does not, and was out of the race
-    before it could change its place: a stop in the actuator was named for it, or nothing."""
+    """The drift is found first. Behind it a limit cuts what it does not: it stays in the race until
+    it can change its place, for else a stop in the actuator would be named for it, or nothing."""
     hidden = hidden_pair(
         ["sensor_clipping", "sensor_drift"], seed=seed, model="oscillator", protocol="lever"
     )

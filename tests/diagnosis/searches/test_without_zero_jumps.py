@@ -72,7 +72,7 @@ def test_most_causes_are_named_beside_a_slip() -> None:
 
 
 def test_a_slip_of_the_judge_is_told_too() -> None:
-    """Both logs slip, one up and one down; the cause was refused by what is held out."""
+    """Both logs slip, one up and one down: what is held out may not refuse the cause for that."""
     pair = hidden_pair(["coulomb_friction"], seed=2)
     train, hold_out = pair.logs
     logs = slipped(train, 0.3), slipped(hold_out, -0.2)
