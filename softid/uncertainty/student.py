@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from math import erfc, exp, isnan, lgamma, log, log1p, nan, pi, sqrt
 
+from softid.uncertainty.incomplete_beta import incomplete_beta
+
 COVERAGE = 0.95
 """Probability that an interval covers the truth."""
 
@@ -25,8 +27,6 @@ EXPANSION = (
 """Divisor and coefficients of the odd powers of the normal quantile, highest first."""
 
 _MOST_STEPS = 200
-_MOST_TERMS = 5000
-_TINY = 1e-300
 _PRECISION = 1e-15
 _CLOSE = 1e-7
 """Relative step after which Newton's method is exact to 1e-13, for its error is squared."""
@@ -86,35 +86,6 @@ def _normal_quantile(probability: float) -> float:
 
 def _upper_tail(t: float, freedom: float) -> float:
     """P(T > t) for t ≥ 0."""
-    a, b, x = 0.5 * freedom, 0.5, freedom / (freedom + t * t)
-    if x < (a + 1.0) / (a + b + 2.0):
-        return 0.5 * _incomplete_beta(a, b, x, t * t / (freedom + t * t))
-    return 0.5 * (1.0 - _incomplete_beta(b, a, t * t / (freedom + t * t), x))
-
-
-def _incomplete_beta(a: float, b: float, x: float, rest: float) -> float:
-    """Regularised incomplete beta function, rest = 1 − x, by Lentz's continued fraction.
-
-    DLMF 8.17.22, which converges fast for x < (a + 1)/(a + b + 2).
-    """
-    if x <= 0.0:
-        return 0.0
-    front = exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * log(rest)) / a
-    c, d = 1.0, 1.0 / _off_zero(1.0 - (a + b) * x / (a + 1.0))
-    fraction = d
-    for m in range(1, _MOST_TERMS):
-        even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m))
-        odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))
-        change = 1.0
-        for term in (even, odd):
-            d = 1.0 / _off_zero(1.0 + term * d)
-            c = _off_zero(1.0 + term / c)
-            change = c * d
-            fraction *= change
-        if abs(change - 1.0) < _PRECISION:
-            break
-    return front * fraction
-
-
-def _off_zero(value: float) -> float:
-    return value if abs(value) > _TINY else _TINY
+    squared = t * t
+    rest = squared / (freedom + squared)
+    return 0.5 * incomplete_beta(0.5 * freedom, 0.5, freedom / (freedom + squared), rest)
