@@ -20,9 +20,12 @@ MIN_BLOCKS = 4
 """A block holds at most this part of all samples: one in so many."""
 
 PARTS_IN_A_ROW = 6
-"""Where the error falls in all of so many parts, which chance alone does once in 64 times, the
-interval holds no loss, however slow a misfit is: one that grows throughout the logs is a single
-event to its memory, and yet each part of them shows the gain."""
+"""Where the error falls in all of so many parts, which chance alone does once in 64 times if they
+know nothing of each other, the interval holds no loss: a misfit that grows throughout the logs is a
+single event to its memory, and yet each part of them shows the gain."""
+
+MEMORIES_IN_A_PART = 3.0
+"""A part knows next to nothing of the others from so many correlation times on."""
 
 
 def gain_interval(
@@ -34,8 +37,13 @@ def gain_interval(
     ψ = ½ (after²/S₁ − before²/S₀), whose variance follows from the sums of ψ over m blocks. These
     are cut where runs end, and are as long as is best for the memory of ψ; what memory they cut is
     made up for. Student's t has m − 1 degrees of freedom, or fewer where the memory leaves fewer
-    independent samples. The interval of the logarithm becomes that of the gain; where all of six
-    parts gain, its lower end is not below 0.
+    independent samples. The interval of the logarithm becomes that of the gain.
+
+    Where all of six parts gain, its lower end is not below 0, if these are long for what can be a
+    loss: with the mended misfit m = before − after the squares differ by m² + 2 m·after, and only
+    the second term may be negative. A part must last three of its correlation times at least. So
+    the misfit may be as slow as it likes where what is left behind it is fast; where both are slow,
+    the interval is that of the blocks alone.
 
     Parameters
     ----------
@@ -52,6 +60,12 @@ def gain_interval(
 
     Notes
     -----
+    Measured on 1500 samples of AR(1) residuals without a true gain, half of each its own, 400 draws
+    at correlation times of 30, 100, 300 and 1000 samples: all six parts gain in 1, 3, 3 and 11 %,
+    and the lower end is cut off in 0.3, 1, 0.3 and 0 %. It is above 0 in 4 % at most, and the
+    interval misses 0 in 9 % at most (``test_slow_residuals_without_a_gain_seldom_seem_to``). Of a
+    record of less than five correlation times, as the last two, the memory itself is hardly known.
+
     Block length: D. N. Politis and H. White, Econom. Rev. 23 (2004) 53, as in
     `softid.uncertainty.bootstrap.block_length`, which asks for the memory of a mean.
     """
@@ -78,7 +92,19 @@ def gain_interval(
     low, high = 1.0 - ratio * float(np.exp(half)), 1.0 - ratio * float(np.exp(-half))
     gained, _ = _blocks(np.split(squares[0] - squares[1], ends), n // PARTS_IN_A_ROW)
     always = gained.size >= PARTS_IN_A_ROW and bool((gained > 0.0).all())
-    return (max(low, 0.0) if always else low), high
+    if always and low < 0.0:
+        losses = _correlation_time(np.split((before - after) * after, ends))
+        low = 0.0 if n >= PARTS_IN_A_ROW * MEMORIES_IN_A_PART * losses else low
+    return low, high
+
+
+def _correlation_time(runs: Sequence[Array]) -> float:
+    """1 + 2 Σ ρ of an autoregression, in samples; a mean counts as memory."""
+    ar, n = fit_ar(runs), sum(run.size for run in runs)
+    if not ar.sigma > 0.0:
+        return 1.0
+    covariance = autocovariance(ar, n)
+    return 1.0 + 2.0 * float(np.sum(covariance[1:])) / float(covariance[0])
 
 
 def _memory(psi: Sequence[Array], *residuals: Sequence[Array]) -> Array:

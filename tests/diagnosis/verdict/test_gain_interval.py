@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from noise import coloured
+from noise import ar1, coloured
 
 from softid.diagnosis.verdict.gain_interval import FEWEST_SAMPLES, gain_interval
 
@@ -68,6 +68,27 @@ def test_what_gains_nothing_seldom_seems_to(time_s: float) -> None:
         assert interval is not None
         sure += interval[0] > 0.0
     assert sure / DRAWS <= 0.025 + 4.0 * 0.009
+
+
+@pytest.mark.parametrize("memory", [30, 100, 300, 1000])
+@pytest.mark.parametrize("share", [0.5, 2.0])
+def test_slow_residuals_without_a_gain_seldom_seem_to(memory: int, share: float) -> None:
+    """Known truth: 1500 samples of AR(1) residuals of one law, of which the own part is a share.
+
+    Of 400 draws the lower end may be cut off at 0 in 1/64, ±0.6 %, of which four are allowed. All
+    six parts gained in up to 11 %, and the end was cut off in all of these. 90 % is the coverage
+    that the other records of few correlation times are held to, ±1.1 %.
+    """
+    draws, cut, missed = 400, 0, 0
+    for seed in range(draws):
+        rng = np.random.default_rng(seed)
+        common, one, other = (ar1(rng, 1500, float(np.exp(-1.0 / memory))) for _ in range(3))
+        interval = gain_interval(common + share * one, common + share * other)
+        assert interval is not None
+        cut += interval[0] == 0.0
+        missed += not interval[0] <= 0.0 <= interval[1]
+    assert cut / draws <= 1.0 / 64.0 + 4.0 * 0.006
+    assert missed / draws <= 0.10 + 4.0 * 0.011
 
 
 def test_blocks_end_where_runs_do() -> None:
