@@ -18,8 +18,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.blocks import Block
+from softid.fitters.reach import FREE_REACH, parameter_reach, usual_motion
 from softid.fitters.rest import spans_of, starts_at_rest
-from softid.fitters.ties import tie_function
+from softid.fitters.ties import tie_function, tied_slopes
 from softid.log import Log
 from softid.models.base import Model, Response
 from softid.models.division import Division
@@ -27,20 +28,6 @@ from softid.parameters import ParameterSet
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
-
-LOG_REACH = 2.0
-"""Plausible move of a parameter on a logarithmic scale: a factor of e² = 7.4, a judgement."""
-
-LINEAR_REACH = 3.0
-"""Plausible move of a parameter on a linear scale, in units of its value, at least 1."""
-
-FREE_REACH = 1e3
-"""Plausible move of zeros and initial states, in their own units: meant never to count, since the
-data always pin them down."""
-
-BOUNDED_REACH = 0.05
-"""Share of the distance of its bounds that a value moves at most: a step that carries the place of
-a kink across the range says nothing of what happens in between."""
 
 AT_BOUND = 1e-6
 """Share of the width of its bounds within which an unknown lies on one."""
@@ -144,6 +131,7 @@ class Problem:
             self._states.append(range(position, position + count))
             position += count
         self.size = position
+        self._reach: Array | None = None
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
         self.n_samples = sum(counts)  # of all channels
 
@@ -178,13 +166,23 @@ class Problem:
         no more than a part of what its bounds allow; anything for zeros and states, which the data
         always pin down.
         """
-        far = np.full(self.size, FREE_REACH)
-        values = np.array([self.parameters[name].value for name in self.free])
-        linear = LINEAR_REACH * np.maximum(np.abs(values), 1.0)
-        rows = [self.parameters[name] for name in self.free]
-        linear = np.minimum(linear, [BOUNDED_REACH * (p.upper - p.lower) for p in rows])
-        far[: len(self.free)] = np.where(self._log_scaled, LOG_REACH, linear)
-        return far
+        if self._reach is None:
+            rows = [self.parameters[name] for name in self.free]
+            far = parameter_reach(rows, self.logs[0], self.segments)
+            self._reach = np.concatenate((far, FREE_REACH * self._nuisance_sizes()))
+        return self._reach.copy()
+
+    def _nuisance_sizes(self) -> Array:
+        """Span of the output of every zero; span or largest speed of the first for every state."""
+        sizes = np.ones(self.size)
+        sizes_by_output = {name: usual_motion(self.segments, name) for name in self.outputs}
+        span, speed = sizes_by_output[self.outputs[0]]
+        for places in self._states:
+            sizes[places] = np.array((span, speed, *[span] * len(places)))[: len(places)]
+        for log in range(len(self.logs)) if self.zeros else ():
+            for name in self.outputs:
+                sizes[self.zero_position(log, name)] = sizes_by_output[name][0]
+        return sizes[len(self.free) :]
 
     def unknowns(self, values: Mapping[str, float], *, with_zeros: bool = True) -> Array:
         """Vector of unknowns at given parameter values; zeros and states from the data.
@@ -331,15 +329,11 @@ class Problem:
         chain = np.zeros((theta.size, len(self.free)))
         slope = np.where(self._log_scaled, theta[self._free_index], 1.0)
         chain[self._free_index, np.arange(len(self.free))] = slope
-        if self._tied is None:
-            return chain
-        for k, index in enumerate(self._free_index):
-            size = abs(theta[index])
-            h = 1e-6 * (size if self._log_scaled[k] else max(size, 1.0))
-            up, down = theta.copy(), theta.copy()
-            up[index] += h
-            down[index] -= h
-            chain[:, k] = (self._tied(up) - self._tied(down)) / (2 * h) * slope[k]
+        if self._tied is not None:
+            sizes = np.abs(theta[self._free_index])
+            far = np.maximum(sizes, self.reach()[: len(self.free)])
+            sizes = np.where(self._log_scaled, sizes, far)
+            chain = tied_slopes(self._tied, theta, self._free_index, sizes) * slope
         return chain
 
     def blocks(

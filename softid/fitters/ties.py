@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from threading import Lock
 
 import numpy as np
@@ -11,6 +11,10 @@ import numpy.typing as npt
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
+
+STEP = 1e-6
+"""Share of a parameter's size by which it is moved to see what its ties do: the error of a central
+difference, of its square, is then as small as the rounding of what is divided by it."""
 
 
 def tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:
@@ -28,6 +32,29 @@ def tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:
         may call it at once, and another process may be sent it.
     """
     return None if all(p.tie is None for p in parameters.values()) else _Ties(parameters)
+
+
+def tied_slopes(
+    tied: Callable[[Array], Array], theta: Array, places: Sequence[int], sizes: Array
+) -> Array:
+    """Central differences of all parameter values by some of them, shape (K, F).
+
+    Parameters
+    ----------
+    tied
+        From `tie_function`.
+    theta
+        Parameter values, shape (K,).
+    places, sizes
+        Where those are that move, and a size of each, shape (F,).
+    """
+    found = np.zeros((theta.size, len(places)))
+    for k, (index, h) in enumerate(zip(places, STEP * sizes, strict=True)):
+        up, down = theta.copy(), theta.copy()
+        up[index] += h
+        down[index] -= h
+        found[:, k] = (tied(up) - tied(down)) / (2.0 * h)
+    return found
 
 
 class _Ties:

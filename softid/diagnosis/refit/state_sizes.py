@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.problem import Problem
+from softid.fitters.reach import motion_of
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -63,9 +64,5 @@ def state_sizes(segment: Segment, output: str, count: int) -> Array:
     >>> state_sizes(segment, "angle", 3).tolist()
     [4.0, 3.0, 4.0]
     """
-    used = segment.used[output]
-    time_s, y = segment.time_s[used], segment.outputs[output][used]
-    span = float(np.ptp(y)) if y.size else 0.0
-    speed = float(np.max(np.abs(np.diff(y) / np.diff(time_s)), initial=0.0))
-    span, speed = span or 1.0, speed or 1.0  # nothing moves
+    span, speed = (size or 1.0 for size in motion_of(segment, output))  # 0 where nothing moves
     return np.array((span, speed, *[span] * count))[:count]
