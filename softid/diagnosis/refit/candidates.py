@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.state_sizes import reach_of
+from softid.diagnosis.refit.state_sizes import bounds_of, reach_of
 from softid.diagnosis.refit.whitening import Place, Whitener
 from softid.effects import ExtendedModel
 from softid.effects.base import Effect
@@ -295,7 +295,7 @@ def advance(
     point = candidate.minimum.point
     objective.plans = limited_plans(candidate.problem, point, substeps)
     objective.begin_with(candidate.minimum.normal)
-    lower, upper = candidate.problem.bounds()
+    lower, upper = bounds_of(candidate.problem)
     found = minimise(
         objective,
         point,

@@ -18,6 +18,10 @@ from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
+FARTHEST = 2.0
+"""No log begins further from rest than so many spans of its motion, nor faster than so many times
+its largest speed: from beyond that a start only draws a slow change of the reading."""
+
 
 def reach_of(problem: Problem) -> Array:
     """How far each unknown may move, shape (U,): parameters by `Problem.reach`, others by size.
@@ -37,6 +41,26 @@ def reach_of(problem: Problem) -> Array:
             spans = [state_sizes(segment, name, 1)[0] for segment in mine]
             far[problem.zero_position(log, name)] = max(spans, default=1.0)
     return far
+
+
+def bounds_of(problem: Problem) -> tuple[Array, Array]:
+    """Bounds of the unknowns, each of shape (U,): those of `Problem.bounds`, and of initial states.
+
+    Without a spring there is no rest that a position could be far from.
+
+    Parameters
+    ----------
+    problem
+        A problem.
+    """
+    lower, upper = problem.bounds()
+    if not problem.has_equilibrium:
+        return lower, upper
+    for k, segment in enumerate(problem.segments):
+        places = problem.state_positions(k)
+        far = FARTHEST * state_sizes(segment, problem.outputs[0], len(places))
+        lower[places], upper[places] = -far, far
+    return lower, upper
 
 
 def state_sizes(segment: Segment, output: str, count: int) -> Array:

@@ -26,6 +26,9 @@ from softid.uncertainty import standard_error
 REFUSED = "not-held-out"
 """Code of the remark that a law does not carry over."""
 
+BEGUN_ANEW = "begins-anew"
+"""Code of the remark that a law does not carry over which begins anew with every log."""
+
 UNSURE = "unsure-law"
 """Code of the remark that a law explains a little and may be chance."""
 
@@ -122,17 +125,19 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     takes = percent(1.0 - best.squares / chain.final.squares)
     worse = after > (1.0 + LEAST_GAIN) * before
     change = f"adds {percent(after / before - 1.0)} to it" if worse else "leaves it as it is"
+    code = REFUSED
     remedy = "hold out a log like the fitted ones, or none: then blocks of the logs judge"
     if isinstance(held, HeldOutBlocks):
         remedy = "record the same once more, from a rest, and hold that log out"
     elif chain.last.added.begins_with_log:
+        code = BEGUN_ANEW
         remedy = (
             "if what is held out was recorded after the others, hold out none, and blocks of the "
             "logs judge: this law begins anew with every log"
         )
     return (
         Issue(
-            REFUSED,
+            code,
             "info",
             f"{lowered(chain.last.added.title)} would take away {takes} of the squared error on "
             f"the fitted samples, but on what is held out it {change}",

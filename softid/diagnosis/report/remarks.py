@@ -9,7 +9,7 @@ from softid.diagnosis.changes.zero_jumps import ZERO_JUMP
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.clipped_input import CLIPPED_INPUT
-from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
+from softid.diagnosis.report.issues import BEGUN_ANEW, NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.no_response import NO_RESPONSE
@@ -109,7 +109,7 @@ class Remarks:
             laws=_messages(found, in_place),
             law_beside=law_beside.removeprefix(WHAT_IS_LEFT),
             marks=_messages(found, {*MARKS} - {*in_place, *beside}),
-            refused=_messages(found, (REFUSED, UNSURE)),
+            refused=_messages(found, (REFUSED, BEGUN_ANEW, UNSURE)),
             held_out_changes=_messages(found, (HELD_OUT_CHANGE,)),
             joined=_messages(found, (ONE_CAUSE,)),
             elements=_messages(found, (SEVERAL_ELEMENTS,)),

@@ -14,6 +14,7 @@ from softid.diagnosis.report.ambiguity import (
 from softid.diagnosis.report.cause_texts import all_in_one, paragraphs_of
 from softid.diagnosis.report.descriptions import described, outdone
 from softid.diagnosis.report.error_texts import ErrorTexts, judged_by_blocks
+from softid.diagnosis.report.issues import BEGUN_ANEW
 from softid.diagnosis.report.phrases import given_up
 from softid.diagnosis.report.remarks import Remarks
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
@@ -37,7 +38,8 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
     following = (
         found.next_experiment
         or remedy_of_disturbance(found)
-        or _to_see_elements(found)
+        or _remedy_of(found, SEVERAL_ELEMENTS)
+        or _remedy_of(found, BEGUN_ANEW)
         or what_next(
             found.verdict,
             alternatives=alternatives,
@@ -52,9 +54,9 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
     return replace(told, summary=summarise(told, Remarks.of(told)))
 
 
-def _to_see_elements(found: Diagnosis) -> str | None:
-    """What shows the elements of a cause, where it has several."""
-    return next((i.remedy for i in found.issues if i.code == SEVERAL_ELEMENTS), None)
+def _remedy_of(found: Diagnosis, code: str) -> str | None:
+    """What to do about a remark, where it was made."""
+    return next((issue.remedy for issue in found.issues if issue.code == code), None)
 
 
 def summarise(found: Diagnosis, remarks: Remarks) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.state_sizes import reach_of, state_sizes
+from softid.diagnosis.refit.state_sizes import FARTHEST, bounds_of, reach_of, state_sizes
 from softid.diagnosis.search.screening import residual_of
 from softid.log import LogSet
 from softid.synthesis import hidden_pair
@@ -34,6 +35,20 @@ def test_what_is_no_parameter_moves_as_far_as_the_motion(masked_s: float) -> Non
     assert reach[problem.zero_position(0, "contraction")] == span
     known = len(problem.free)
     assert reach[:known].tolist() == problem.reach()[:known].tolist()
+
+
+def test_no_log_begins_far_beyond_its_motion() -> None:
+    """Initial states have bounds beside those of the parameters; zeros have none."""
+    problem = in_motion(0.0).problem
+    (segment,), (lower, upper) = problem.segments, bounds_of(problem)
+    far = FARTHEST * state_sizes(segment, "contraction", 2)
+    places, zero = problem.state_positions(0), problem.zero_position(0, "contraction")
+    assert upper[places].tolist() == (-lower[places]).tolist() == far.tolist()
+    assert upper[zero] == -lower[zero] == np.inf
+    known = len(problem.free)
+    assert [lower[:known].tolist(), upper[:known].tolist()] == [
+        ends[:known].tolist() for ends in problem.bounds()
+    ]
 
 
 @pytest.mark.parametrize(("masked_s", "forgotten"), [(0.0, False), (3.0, True)])

@@ -46,6 +46,9 @@ def test_what_begins_with_a_log_may_have_begun_before(key: str, anew: bool) -> N
     assert told.remedy is not None
     assert ("recorded after the others" in told.remedy) is anew
     assert "blocks of the logs judge" in told.remedy
+    shown = write_summary(replace(diagnosis(Verdict.UNKNOWN), causes=(), issues=(told,)))
+    assert (shown.next_experiment == told.remedy) is anew
+    assert "adds 40 % to it" in shown.summary
 
 
 def test_nothing_is_refused_that_did_not_pay_or_was_added() -> None:
