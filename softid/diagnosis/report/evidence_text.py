@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.phrases import listed, neighbours_of, title_of, titles_of
 from softid.diagnosis_results import Alternative, Cause, Evidence
+from softid.effects import EFFECTS
 
 MOST_CONFUSED = 3
 """Most effects that a sentence lists as easily confused; `softid effects NAME` lists all."""
@@ -60,20 +61,26 @@ def evidence_text(
     if confused:
         known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
         also = ", which explain these logs less well" if known.issuperset(confused) else ""
-        told += f". It is easily confused with {_nearest_of(confused, rivals)}{also}"
+        told += f". It is easily confused with {_nearest_of(confused, rivals, cause.key)}{also}"
     return told + "."
 
 
-def _nearest_of(confused: Sequence[str], rivals: Sequence[tuple[float, str]]) -> str:
-    """The effects that come nearest in the race, and how many there are beside them."""
+def _nearest_of(confused: Sequence[str], rivals: Sequence[tuple[float, str]], key: str) -> str:
+    """The effects that come nearest in the race, and how many there are beside them.
+
+    Each is told in the form of the cause, if it has that one: what lies below is confused with the
+    lower limit of a sensor.
+    """
     reached: dict[str, float] = {}
     for delta, key in rivals:
         plain = key.split(".")[0]
         reached[plain] = max(delta, reached.get(plain, -math.inf))
     nearest = sorted(confused, key=lambda name: -reached.get(name, -math.inf))
-    told = [title_of(name) for name in nearest[:MOST_CONFUSED]]
+    form = key.partition(".")[2]
+    alike = {name: f"{name}.{form}" if f"{name}.{form}" in EFFECTS else name for name in nearest}
+    told = [title_of(alike[name]) for name in nearest[:MOST_CONFUSED]]
     if (more := len(nearest) - len(told)) > 0:
-        told.append(f"{more} more" if more > 1 else title_of(nearest[-1]))
+        told.append(f"{more} more" if more > 1 else title_of(alike[nearest[-1]]))
     return listed(told)
 
 

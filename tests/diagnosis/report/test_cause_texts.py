@@ -55,6 +55,15 @@ def test_what_a_cause_is_not_told_from_stands_beside_it() -> None:
     assert "delay of the input or a pressure gauge that lags behind" in second
 
 
+def test_neighbours_are_told_in_the_form_of_the_cause() -> None:
+    """What stands below the actuator is not confused with the upper limit of its sensor."""
+    below = replace(DELAY, effect="contact", key="contact.lower", delta_bic=100.0)
+    found = replace(diagnosis(Verdict.NAMED), causes=(below,), evidence=())
+    text = write_summary(found).summary
+    assert "clipping of the sensor at its lower limit" in text
+    assert "upper limit" not in text
+
+
 def test_those_that_come_nearest_are_told_and_the_others_counted() -> None:
     """A delay has more neighbours than a sentence takes; the sensor's lag reached most."""
     neighbours = confusable_with(EFFECTS["delay"]())
