@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -131,7 +132,6 @@ class Problem:
             self._states.append(range(position, position + count))
             position += count
         self.size = position
-        self._reach: Array | None = None
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
         self.n_samples = sum(counts)  # of all channels
 
@@ -166,11 +166,13 @@ class Problem:
         no more than a part of what its bounds allow; anything for zeros and states, which the data
         always pin down.
         """
-        if self._reach is None:
-            rows = [self.parameters[name] for name in self.free]
-            far = parameter_reach(rows, self.logs[0], self.segments)
-            self._reach = np.concatenate((far, FREE_REACH * self._nuisance_sizes()))
         return self._reach.copy()
+
+    @cached_property
+    def _reach(self) -> Array:
+        rows = [self.parameters[name] for name in self.free]
+        far = parameter_reach(rows, self.logs[0], self.segments)
+        return np.concatenate((far, FREE_REACH * self._nuisance_sizes()))
 
     def _nuisance_sizes(self) -> Array:
         """Span of the output of every zero; span or largest speed of the first for every state."""

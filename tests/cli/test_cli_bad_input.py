@@ -10,7 +10,7 @@ import pytest
 from desk import Outcome
 
 Cli = Callable[..., Outcome]
-BOUND = ("--bound", "N=500:")
+BOUND = ("--bound", "N=50:")
 
 HEADER = "time_s,pressure_kpa,angle_deg"
 ROWS = tuple(f"{0.02 * k:.2f},{80 if k > 20 else 0},{0.5 * k:.2f}" for k in range(60))

@@ -71,7 +71,7 @@ def prefix_models(chain: Chain, base: Candidate) -> tuple[Candidate, ...]:
 
 def _models_of(chain: Chain) -> list[Candidate]:
     """The models at an optimum that the rounds of the search left, and the chain's own."""
-    raced = [model for link in chain.links for model in (*link.contenders, link.found)]
+    raced = [model for link in chain.links for model in (link.found, *link.contenders)]
     return [chain.final, *(model for model in raced if model is not None)]
 
 
