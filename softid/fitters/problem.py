@@ -122,6 +122,7 @@ class Problem:
             return [self.model.plan(theta, segment) for segment in self.segments]
 
     def _layout(self) -> None:
+        vars(self).pop("_reach", None)  # that of other segments
         n = len(self.free)
         n_zero = len(self.logs) * len(self.outputs) if self.zeros else 0
         self._zero_from = n

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from linear_motion import linear_angle, linear_log, pressure_course
+from linear_motion import linear_angle, linear_log, linear_problem, pressure_course
 
 from softid.fitters.problem import Problem
 from softid.fitters.reach import FREE_REACH, motion_of, usual_motion
@@ -112,3 +112,15 @@ def test_an_output_that_never_moves_has_a_size() -> None:
     segment = linear_log().segments()[0]
     still = replace(segment, outputs={"angle": np.full(segment.time_s.size, 7.0)})
     assert usual_motion([still], "angle") == (1.0, 1.0)
+
+
+def test_other_segments_have_a_reach_of_their_own() -> None:
+    """A log cut into two pieces that begin in motion has initial states that the whole has not."""
+    problem = linear_problem([linear_log()])
+    assert problem.reach().size == problem.size
+    (segment,) = problem.segments
+    middle = segment.time_s.size // 2
+    pieces = [segment.part(slice(0, middle)), segment.part(slice(middle, None))]
+    cut = Problem.with_segments(problem, pieces, [(0, True), (0, False)])
+    assert cut.size > problem.size
+    assert cut.reach().size == cut.size
