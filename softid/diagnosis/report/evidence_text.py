@@ -72,8 +72,8 @@ def _nearest_of(confused: Sequence[str], rivals: Sequence[tuple[float, str]], ke
     lower limit of a sensor.
     """
     reached: dict[str, float] = {}
-    for delta, key in rivals:
-        plain = key.split(".")[0]
+    for delta, rival in rivals:
+        plain = rival.split(".")[0]
         reached[plain] = max(delta, reached.get(plain, -math.inf))
     nearest = sorted(confused, key=lambda name: -reached.get(name, -math.inf))
     form = key.partition(".")[2]

@@ -58,10 +58,15 @@ def test_what_a_cause_is_not_told_from_stands_beside_it() -> None:
 def test_neighbours_are_told_in_the_form_of_the_cause() -> None:
     """What stands below the actuator is not confused with the upper limit of its sensor."""
     below = replace(DELAY, effect="contact", key="contact.lower", delta_bic=100.0)
-    found = replace(diagnosis(Verdict.NAMED), causes=(below,), evidence=())
+    rows = (Evidence(1, "contact.lower", 100.0, 0.1), Evidence(1, "stiffening", 50.0, 0.1))
+    found = replace(diagnosis(Verdict.NAMED), causes=(below,), evidence=rows)
     text = write_summary(found).summary
     assert "clipping of the sensor at its lower limit" in text
     assert "upper limit" not in text
+    whole = replace(below, effect="creep", key="creep")
+    raced = (Evidence(1, "creep", 100.0, 0.1), Evidence(1, "hysteresis.pressure", 50.0, 0.1))
+    told = write_summary(replace(found, causes=(whole,), evidence=raced)).summary
+    assert "easily confused with hysteresis of the material" in told
 
 
 def test_those_that_come_nearest_are_told_and_the_others_counted() -> None:
