@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.blocks import Block
-from softid.fitters.reach import FREE_REACH, parameter_reach, usual_motion
+from softid.fitters.reach import FREE_REACH, parameter_reach, sizes_of_states, usual_motion
 from softid.fitters.rest import spans_of, starts_at_rest
 from softid.fitters.ties import tie_function, tied_slopes
 from softid.log import Log
@@ -181,7 +181,7 @@ class Problem:
         sizes_by_output = {name: usual_motion(self.segments, name) for name in self.outputs}
         span, speed = sizes_by_output[self.outputs[0]]
         for places in self._states:
-            sizes[places] = np.array((span, speed, *[span] * len(places)))[: len(places)]
+            sizes[places] = sizes_of_states(span, speed, len(places))
         for log in range(len(self.logs)) if self.zeros else ():
             for name in self.outputs:
                 sizes[self.zero_position(log, name)] = sizes_by_output[name][0]

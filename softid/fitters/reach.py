@@ -79,6 +79,19 @@ def motion_of(segment: Segment, output: str) -> tuple[float, float]:
     return float(np.ptp(y)), float(speed)
 
 
+def sizes_of_states(span: float, speed: float, count: int) -> Array:
+    """Sizes of a position, a velocity, and then positions that follow it, shape (count,).
+
+    Parameters
+    ----------
+    span, speed
+        Span and largest speed of the position.
+    count
+        Number of states.
+    """
+    return np.array((span, speed, *[span] * count))[:count]
+
+
 def usual_motion(segments: Sequence[Segment], output: str) -> tuple[float, float]:
     """The largest span and speed of an output in any segment; 1 where nothing moves in any.
 

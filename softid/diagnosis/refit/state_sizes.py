@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.problem import Problem
-from softid.fitters.reach import motion_of
+from softid.fitters.reach import motion_of, sizes_of_states
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -89,4 +89,4 @@ def state_sizes(segment: Segment, output: str, count: int) -> Array:
     [4.0, 3.0, 4.0]
     """
     span, speed = (size or 1.0 for size in motion_of(segment, output))  # 0 where nothing moves
-    return np.array((span, speed, *[span] * count))[:count]
+    return sizes_of_states(span, speed, count)
