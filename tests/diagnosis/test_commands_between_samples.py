@@ -126,12 +126,13 @@ def test_nothing_is_wrong_with_a_lag(fitted: bool, judges: bool, seed: int) -> N
     assert found.verdict is Verdict.ADEQUATE, found.summary
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fitted", "judges", "seed"),
     [
         (False, False, 50),
         *(
-            pytest.param(fitted, judges, seed, marks=pytest.mark.slow)
+            (fitted, judges, seed)
             for fitted, judges in ((True, False), (False, True), (False, False), (True, True))
             for seed in (200, 220)
         ),
@@ -146,9 +147,8 @@ def test_a_delay_is_found_between_samples(fitted: bool, judges: bool, seed: int)
     assert delay.ci95[0] < 0.06 < delay.ci95[1]
 
 
-@pytest.mark.parametrize(
-    "seed", [60, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (300, 320, 340))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [60, 300, 320, 340])
 def test_moments_do_not_tell_two_laws_apart(seed: int) -> None:
     """Without inertia both are the same law, whatever the moments do to what they leave."""
     found = diagnosed("by_direction", seed, fitted=False, judges=False)
@@ -156,9 +156,10 @@ def test_moments_do_not_tell_two_laws_apart(seed: int) -> None:
     assert {"pneumatic_lag", "asymmetric_damping"} <= tie, found.summary
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("in_step", "seed"),
-    [(True, 70), *(pytest.param(False, s, marks=pytest.mark.slow) for s in (360, 380))],
+    [(True, 70), (False, 360), (False, 380)],
 )
 def test_a_lag_by_level_is_no_mere_motion(in_step: bool, seed: int) -> None:
     """It takes the place of the base's own, and says what a damping that goes with it says, too."""

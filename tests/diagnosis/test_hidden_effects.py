@@ -110,9 +110,8 @@ def test_a_hidden_effect_is_found(name: str) -> None:
     assert found.gain >= GAIN_SHARE * found.oracle_gain
 
 
-@pytest.mark.parametrize(
-    ("seed", "tau"), [(900, 0.3), pytest.param(903, 0.15, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "tau"), [(900, 0.3), (903, 0.15)])
 def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> None:
     """The base takes the sensor's time for its own, so nothing is left of it where the lag begins.
 
@@ -137,7 +136,8 @@ def with_pressure_read_by(pair: HiddenPair, read: Callable[[Array], Array]) -> t
     return other(train), other(hold_out)
 
 
-@pytest.mark.parametrize("seed", [31, *(pytest.param(s, marks=pytest.mark.slow) for s in (32, 33))])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [31, 32, 33])
 def test_the_rounding_of_the_pressure_is_no_misfit(seed: int) -> None:
     """A converter of 64 steps over the range: a level is off as long as it is held, and that is no
     misfit of the model. A creep is found through it all the same."""
@@ -154,7 +154,8 @@ def test_the_rounding_of_the_pressure_is_no_misfit(seed: int) -> None:
     assert cause.effect == "creep"
 
 
-@pytest.mark.parametrize("seed", [31, pytest.param(32, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [31, 32])
 def test_a_pressure_smoothed_afterwards_is_no_resonance(seed: int) -> None:
     """A mean over five samples, as one takes to make a plot look clean; nothing is hidden.
 
@@ -311,6 +312,7 @@ def test_a_contact_beyond_what_the_model_reaches_is_found() -> None:
     assert low <= truth["xw"] <= high
 
 
+@pytest.mark.slow
 def test_a_hysteresis_that_turns_over_the_whole_range_is_found() -> None:
     """Known truth: a loop whose branches never arrive, as long as the range without it.
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import pytest
+
 from softid.diagnosis import diagnose
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis_results import Verdict
@@ -17,6 +19,7 @@ def with_values(actuator: Actuator, **factors: float) -> Actuator:
     return replace(actuator, values={**actuator.values, **changed})
 
 
+@pytest.mark.slow
 def test_it_is_said_what_differs() -> None:
     """Known truth: creep in both, and a stiffness that is 38 % larger in the second."""
     own = hidden_pair(["creep"], seed=41)
@@ -30,6 +33,7 @@ def test_it_is_said_what_differs() -> None:
     assert told.message in found.summary.replace("The logs differ", "the logs differ")
 
 
+@pytest.mark.slow
 def test_a_payload_in_the_hold_out_does_not_hide_the_cause() -> None:
     """Known truth: creep in both; the second moves twice the mass, and is 6 % stiffer by it."""
     light = hidden_pair(["creep"], seed=41).actuator

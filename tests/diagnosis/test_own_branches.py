@@ -47,7 +47,8 @@ def levels(seed: int) -> Array:
     return np.concatenate([[0.0], np.random.default_rng(seed).uniform(5.0, 100.0, 15), [0.0]])
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
 def test_no_dry_friction_is_named_alone_where_logs_begin_on_other_branches(seed: int) -> None:
     """Stands on the law that scipy solves. The first log begins as made, the second after a move.
 

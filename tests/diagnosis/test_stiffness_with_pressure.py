@@ -58,15 +58,16 @@ def recorded(gain: float, damping_ratio: float, frequency_hz: float, seed: int) 
     return Log.from_arrays(time_s, channels, units=units, name=f"log-{seed}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gain", "damping_ratio", "frequency_hz", "seed"),
     [
         (0.6, 0.15, 3.0, 1),
-        pytest.param(0.3, 0.15, 3.0, 2, marks=pytest.mark.slow),
-        pytest.param(1.5, 1.5, 2.0, 3, marks=pytest.mark.slow),
-        pytest.param(-0.3, 0.3, 5.0, 4, marks=pytest.mark.slow),
-        pytest.param(0.15, 0.08, 2.0, 5, marks=pytest.mark.slow),
-        pytest.param(0.6, 3.0, 4.0, 6, marks=pytest.mark.slow),
+        (0.3, 0.15, 3.0, 2),
+        (1.5, 1.5, 2.0, 3),
+        (-0.3, 0.3, 5.0, 4),
+        (0.15, 0.08, 2.0, 5),
+        (0.6, 3.0, 4.0, 6),
     ],
 )
 def test_it_is_told_and_nothing_is_named_without_it(

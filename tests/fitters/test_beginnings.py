@@ -90,6 +90,7 @@ def test_the_beginning_leads_to_the_optimum(whole: Problem) -> None:
     assert min(costs) == pytest.approx(known, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_fit_without_beginnings_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """The starts from the whole logs end more than ten times above the noise: over a sine of 0.3 Hz
     they do, and over one of 0.5 Hz they did as long as initial states were held too near."""

@@ -71,13 +71,18 @@ def test_the_unit_of_an_output_changes_nothing(exponent: float, offset: float) -
 @example(exponent=7.0)
 @settings(max_examples=8, deadline=None)
 def test_the_unit_of_an_input_changes_nothing(exponent: float) -> None:
-    """An identity: the coefficients and the input at rest, whose scale is linear, grow with it."""
+    """An identity: the coefficients and the input at rest, whose scale is linear, grow with it.
+
+    To a hundredth of their standard errors: on which side of its tolerance the search ends may
+    differ, for the sums are rounded otherwise.
+    """
     factor, model = 10.0**exponent, Oscillator(order="first", spring="none")
     usual, other = (fit(integrated(factor=f), model=model) for f in (1.0, factor))
     assert usual.status is other.status is FitStatus.CONVERGED
     assert "offset" in usual.free
-    for name in usual.free:
-        assert other.values[name] / factor == pytest.approx(usual.values[name], rel=1e-6)
+    for name, stderr in ((p.name, p.stderr) for p in usual.parameters if p.name in usual.free):
+        assert stderr is not None
+        assert other.values[name] / factor == pytest.approx(usual.values[name], abs=0.01 * stderr)
 
 
 def test_a_linear_parameter_reaches_as_far_as_a_channel_of_its_unit() -> None:

@@ -94,6 +94,7 @@ def test_a_log_that_was_not_fitted_is_refused(tmp_path: Path) -> None:
         profile_parameter(result, load(path), "N")
 
 
+@pytest.mark.slow
 def test_a_valley_that_bends_is_followed(measured: Path) -> None:
     """Starts at the optimum alone end in a false minimum beyond M = 2.9, at half of the threshold.
 

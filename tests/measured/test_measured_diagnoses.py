@@ -166,6 +166,7 @@ def test_the_arm_is_predicted_at_a_pressure_between_those_fitted(measured: Path)
     assert found.extended.parameter("b2").fixed
 
 
+@pytest.mark.slow
 def test_one_sine_does_not_split_a_delay_from_a_lag(measured: Path) -> None:
     """Command to pressure of the fabric arm at 0.1 Hz: a delay of 0.94 s was computed apart."""
     log = load(

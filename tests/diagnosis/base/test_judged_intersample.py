@@ -51,6 +51,7 @@ def test_what_is_held_out_tells_how_a_command_is_held(held: bool) -> None:
     assert bool(said) is held
 
 
+@pytest.mark.slow
 def test_what_is_declared_stays() -> None:
     """Then what is held out misses something, whatever another behaviour explains."""
     fitted = commanded("sines", held=True, seed=1, declared="straight")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from softid.diagnosis.report.changes import CHANGE_POINT
 from softid.diagnosis.report.other_explanations import EVENT_BESIDE
 from softid.diagnosis.workflow import diagnose
@@ -18,6 +20,7 @@ def scaled(log: Log, factor: float) -> Log:
     return replace(log, name="other", channels={**log.channels, output.name: read})
 
 
+@pytest.mark.slow
 def test_a_difference_beside_a_cause_is_told_as_one() -> None:
     """Creep in both logs, and 5 % in the gain of one: no moment, though a log begins at rest."""
     first, second = hidden_pair(["creep"], seed=3).logs

@@ -21,6 +21,7 @@ def diagnosed(pair: HiddenPair, model: str, effect: str) -> Diagnosis:
     return diagnose(train, hold_out=[hold_out], model=model, effects=[effect])
 
 
+@pytest.mark.slow
 def test_a_creep_of_two_times_is_told_with_both() -> None:
     """Known truth: two elements, whose times are told to a twentieth."""
     pair = hidden_pair(["two_time_creep"], seed=230001, model="oscillator")

@@ -258,6 +258,7 @@ def test_a_model_that_runs_away_has_no_moments(monkeypatch: pytest.MonkeyPatch) 
     assert noise_model.moments_of(model) is None
 
 
+@pytest.mark.slow
 def test_what_explains_a_part_of_open_moments_is_chance(monkeypatch: pytest.MonkeyPatch) -> None:
     """At 20 Hz a law helps where jumps are taken as drawn, and may not be named; the base alone
     leaves noise. Nothing helps where moments are a part of that."""

@@ -154,7 +154,8 @@ def test_what_is_added_acts_before_the_end_of_the_range(known: str, added: str, 
     assert told == tuple(named[k] for k in order)
 
 
-@pytest.mark.parametrize("seed", [321013, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [321013, 5])
 def test_a_limit_in_front_of_a_drift_stays_in_the_race(seed: int) -> None:
     """The drift is found first. Behind it a limit cuts what it does not: it stays in the race until
     it can change its place, for else a stop in the actuator would be named for it, or nothing."""

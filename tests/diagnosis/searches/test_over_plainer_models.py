@@ -67,6 +67,7 @@ def test_a_model_of_which_little_is_known_beside_its_causes_is_asked_again() -> 
     assert all(p.verdict != "not identified" for p in found.extended.parameters)
 
 
+@pytest.mark.slow
 def test_a_model_that_was_named_stays() -> None:
     """The muscle of the first test, by the user's word."""
     train, hold_out = hidden_pair(["stiffening"], seed=501, model="oscillator").logs
@@ -126,6 +127,7 @@ def test_no_lag_is_named_beside_a_delay_of_such_an_actuator() -> None:
     assert {"delay"} <= sure <= {"delay", "static_curve"}
 
 
+@pytest.mark.slow
 def test_a_spring_that_is_not_straight_is_no_lag_of_another_model() -> None:
     """Known truth: a spring with k3 = 15 kPa/rad³. A muscle bends to it, and what it leaves of the
     motion looks like a lag of the pneumatics then."""

@@ -76,13 +76,14 @@ def test_noise_behind_a_filter_is_no_misfit(
     assert ("has the marks of slow noise" in found.summary) is not is_told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "effect",
     [
         "coulomb_friction",
-        pytest.param("creep", marks=pytest.mark.slow),
-        pytest.param("stiffening", marks=pytest.mark.slow),
-        pytest.param("dead_zone", marks=pytest.mark.slow),
+        "creep",
+        "stiffening",
+        "dead_zone",
     ],
 )
 def test_a_cause_behind_a_filter_is_still_found(effect: str) -> None:

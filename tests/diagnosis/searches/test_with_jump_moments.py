@@ -110,6 +110,7 @@ def test_a_cause_behind_jumps_is_named() -> None:
     assert found.remainder.open_jumps > 0
 
 
+@pytest.mark.slow
 def test_a_declared_intersample_behaviour_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whoever says that the input is held until the next sample knows when it jumped."""
     asked: list[Any] = []

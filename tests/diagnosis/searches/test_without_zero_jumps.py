@@ -71,6 +71,7 @@ def test_most_causes_are_named_beside_a_slip() -> None:
     assert not any(found.causes for found, is_met in zip(answers, met, strict=True) if not is_met)
 
 
+@pytest.mark.slow
 def test_a_slip_of_the_judge_is_told_too() -> None:
     """Both logs slip, one up and one down: what is held out may not refuse the cause for that."""
     pair = hidden_pair(["coulomb_friction"], seed=2)
@@ -81,6 +82,7 @@ def test_a_slip_of_the_judge_is_told_too() -> None:
     assert [issue.code for issue in found.issues].count(ZERO_JUMP) == 2
 
 
+@pytest.mark.slow
 def test_a_slip_alone_is_an_event() -> None:
     """Nothing is named beside it."""
     found = answer_to(hidden_pair([], seed=5), 0.3)

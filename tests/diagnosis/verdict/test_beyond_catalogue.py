@@ -70,6 +70,7 @@ def base_with_a_late_gauge(*names: str, seed: int) -> BaseFit:
     return request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
 
 
+@pytest.mark.slow
 def test_a_law_together_with_a_cause() -> None:
     """Known truth: a gauge that lags by 0.06 s, and friction, of which each alone leaves much."""
     base = base_with_a_late_gauge("coulomb_friction", seed=5)

@@ -97,7 +97,12 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
         pytest.param(("rate_limit",), ("valve_flow",), ("rate_limit",), marks=pytest.mark.slow),
         pytest.param(("valve_flow",), ("valve_flow",), (), marks=pytest.mark.slow),
         (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), ("dead_zone",)),
-        (("dead_zone", "supply_limit"), ("sensor_clipping.both",), ("input_limit", "dead_zone")),
+        pytest.param(
+            ("dead_zone", "supply_limit"),
+            ("sensor_clipping.both",),
+            ("input_limit", "dead_zone"),
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             ("output_backlash",), ("hysteresis",), ("output_play",), marks=pytest.mark.slow
         ),
@@ -142,11 +147,12 @@ def test_a_second_creep_in_the_place_of_a_cause_beside_a_creep(
     assert other.rivals[1:] == rivals
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "rivals"),
     [
         (("maxwell_slip",), ("free_spring", "second_hysteresis")),
-        pytest.param(("hysteresis", "static_curve"), (), marks=pytest.mark.slow),
+        (("hysteresis", "static_curve"), ()),
     ],
 )
 def test_a_second_loop_in_the_place_of_a_cause_beside_a_loop(
@@ -275,6 +281,7 @@ def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
         assert link.rivals[1:] == ("relief_leak",)
 
 
+@pytest.mark.slow
 def test_a_late_gauge_is_told() -> None:
     """An actuator that is its model, by the generator, and a gauge that lags by 0.06 s."""
     fitted, judge = (with_a_late_gauge(log, 0.06) for log in hidden_pair([], seed=5).logs)
@@ -304,6 +311,7 @@ def test_one_law_beside_the_first_cause_where_there_may_be_more() -> None:
         assert asked[-1].takes(named[0]) is not is_doubtful
 
 
+@pytest.mark.slow
 def test_a_power_in_the_place_of_a_stiffening_up_to_a_wall() -> None:
     """A spring with the fifth power, by the generator: one law in place of the two that follow it.
 
