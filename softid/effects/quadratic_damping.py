@@ -99,7 +99,7 @@ class PowerDamping(QuadraticDamping):
 
     variant: ClassVar[str] = "power"
     title: ClassVar[str] = "Damping with a power of the speed"
-    law: ClassVar[str] = "+ d2 vm^2 |v/vm|^n sign(v), vm the largest speed"
+    law: ClassVar[str] = "+ d2 vm^2 |v/vm|^n sign(v), vm the largest speed in the fitted logs"
     meaning: ClassVar[str] = (
         "Fast motion is held back more than in proportion to its speed, by a power of it that is "
         "not the square, as by a fluid that grows stiffer the faster it is sheared."

@@ -56,8 +56,8 @@ class StaticCurve(StateEffect):
     name: ClassVar[str] = "static_curve"
     title: ClassVar[str] = "Correction of the static curve"
     law: ClassVar[str] = (
-        "x - s(u) in place of x in the spring; s a cubic spline through 6 knots, the first 0, the "
-        "others k2 … k6"
+        "x - s(u) in place of x in the spring; s a natural cubic spline through 6 knots over the "
+        "range of the fitted input, level beyond it; at the first knot 0, at the others k2 … k6"
     )
     meaning: ClassVar[str] = (
         "The settled positions follow a curve whose shape the model cannot reproduce."

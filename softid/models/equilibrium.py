@@ -106,6 +106,13 @@ class Equilibrium(Actuator, Model):
         "Equilibrium Equation, Actuators 2022, Eq 9 to 14, corrected; wall stresses and default "
         "dimensions are assumptions of softid"
     )
+    note: ClassVar[str] = (
+        "M(θ) is the inertia of the bent actuator about its root, and D(θ) the part of it that the "
+        "square of the speed meets (option inertia); K(θ) is the torque of the stretched walls and "
+        "of the layer between the chambers, F(p) that of the pressure on the ends of the chambers. "
+        "All four follow from the dimensions and the material below, and the parameters only scale "
+        "them"
+    )
     states: ClassVar[tuple[str, ...]] = ("x", "v")
     inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
     outputs: ClassVar[tuple[str, ...]] = ("angle",)
