@@ -143,7 +143,7 @@ def _clipped_input(answer: Diagnosis, case: Circumstances) -> Diagnosis:
 def _rounding(answer: Diagnosis, case: Circumstances) -> Diagnosis:
     if case.averaged > 1:  # the mean of several samples lies between the steps
         return answer
-    return with_rounding(answer, case.recorded, case.base.candidate)
+    return with_rounding(answer, case.recorded, case.base.candidate, case.request.gauges)
 
 
 def _coarse_sampling(answer: Diagnosis, case: Circumstances) -> Diagnosis:

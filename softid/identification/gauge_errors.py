@@ -26,6 +26,20 @@ TO_NEXT = 0.5
 command that is set jumps."""
 
 
+LEAST_PASSED, LEAST_LONG = 4, 4
+"""Fewest values that are passed on the way from one to another, and intervals that each lasts, to
+see on the output whether they were passed or set."""
+
+UNEVEN = 0.4
+"""Difference of the output's moves in the two halves of such values, as a share of both, from which
+on they were set: it answers to a level within twice its time constant, and passes evenly what
+passes evenly. A motion of one time constant for every 1.7 of a level has so much."""
+
+FEWEST_CODES = 16
+"""Values over the range that a gauge has at least, of which the output does not tell; a judgement,
+as four bits are less than any converter has, and a dozen levels are usual for a staircase."""
+
+
 @dataclass(frozen=True, eq=False)
 class GaugeErrors:
     """Errors of a recorded input.
@@ -117,4 +131,32 @@ def _hidden_step(log: Log, sd: float) -> float:
     moves = np.abs(np.diff(values[run_starts(values)])) / grid.step
     if moves.size < LEAST_RUNS or np.mean(np.round(moves) == 1.0) < TO_NEXT:
         return 0.0
-    return grid.step
+    return 0.0 if _are_set(log, grid.step) else grid.step
+
+
+def _are_set(log: Log, step: float) -> bool:
+    """Whether the values of an input are levels that were set, as those of a staircase.
+
+    The output answers to a level that is set by a motion that ends, and goes on evenly through what
+    is only read in steps.
+
+    Parameters
+    ----------
+    log
+        The log.
+    step
+        Distance of neighbouring values.
+    """
+    values, output = log.channels[log.input].values, log.channels[log.outputs[0]].values
+    starts = run_starts(values)
+    moves = np.round(np.diff(values[starts]) / step)
+    passed = np.flatnonzero((moves[1:] == moves[:-1]) & (np.abs(moves[1:]) == 1.0))
+    begin, end = starts[passed + 1] - 1, starts[passed + 2] - 1
+    middle = 0.5 * (log.time_s[begin] + log.time_s[end])
+    half_way = np.interp(middle, log.time_s, output)
+    halves = np.array([half_way - output[begin], output[end] - half_way]) * moves[passed]
+    tells = (end - begin >= LEAST_LONG) & np.isfinite(halves).all(axis=0)
+    if np.count_nonzero(tells) < LEAST_PASSED:
+        return float(np.ptp(values)) < (FEWEST_CODES - 1) * step
+    first, second = halves[:, tells].sum(axis=1)
+    return bool(abs(first - second) > UNEVEN * (abs(first) + abs(second)))

@@ -14,8 +14,8 @@ STEP = 1.5
 
 
 def log_of(values: np.ndarray, name: str = "pressure") -> Log:
-    """A log with an input of some values."""
-    channels = {name: values, "angle": 0.01 * values}
+    """A log with an input of some values, and the output of the course."""
+    channels = {name: values, "angle": 0.01 * COURSE}
     return Log.from_arrays(TIME_S, channels, input=name, outputs=("angle",), name="g")
 
 
@@ -42,6 +42,30 @@ def test_a_coarse_gauge_has_a_step() -> None:
 )
 def test_other_inputs_have_none(values: np.ndarray, name: str) -> None:
     assert gauge_errors(log_of(values, name)).step == 0.0
+
+
+@pytest.mark.parametrize(
+    ("tau_s", "is_set"),
+    [(0.0, True), (0.3, True), (4.0, False)],  # one that hardly follows does not tell
+)
+def test_levels_that_are_as_far_apart_are_set(tau_s: float, is_set: bool) -> None:
+    """By definition: a staircase of 20 kPa up and down, which the output answers to and rests."""
+    time_s = np.arange(4800) * 0.01
+    levels = 20.0 * np.array([0, 1, 2, 3, 4, 3, 2, 1])
+    values = levels[(time_s / 1.5).astype(np.intp) % levels.size]
+    angle = values.copy()
+    for k in range(1, values.size):
+        share = np.exp(-0.01 / tau_s) if tau_s else 0.0
+        angle[k] = values[k] + share * (angle[k - 1] - values[k])
+    log = Log.from_arrays(time_s, {"pressure": values, "angle": angle}, name="staircase")
+    assert (gauge_errors(log).step == 0.0) is is_set
+
+
+def test_few_levels_in_any_order_are_set() -> None:
+    """By definition: four levels, as many of their changes by one as not; none is passed."""
+    values = np.repeat(np.tile([0.0, 20.0, 60.0, 40.0], 10), 50)
+    found = Log.from_arrays(TIME_S, {"pressure": values, "angle": 0.01 * values}, name="levels")
+    assert gauge_errors(found).step == 0.0
 
 
 def test_what_is_drawn_is_what_rounding_takes() -> None:

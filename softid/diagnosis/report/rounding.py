@@ -6,7 +6,7 @@ much as half a step, and the actuator follows what was not recorded: no law expl
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis_results import Diagnosis, Remainder, Verdict
 from softid.errors import Issue
 from softid.excitation import find_quantisation
+from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
 from softid.log import Log
 from softid.results import FitResult
 
@@ -41,7 +42,9 @@ SEED = 0
 """Seed of the draws of what the rounding took away, which nobody knows."""
 
 
-def with_rounding(answer: Diagnosis, logs: Iterable[Log], base: Candidate) -> Diagnosis:
+def with_rounding(
+    answer: Diagnosis, logs: Iterable[Log], base: Candidate, gauges: Mapping[str, GaugeErrors]
+) -> Diagnosis:
     """The diagnosis with remarks on the rounding of both, the input's before any other experiment.
 
     Parameters
@@ -52,8 +55,11 @@ def with_rounding(answer: Diagnosis, logs: Iterable[Log], base: Candidate) -> Di
         The logs as recorded.
     base
         The base fit to them.
+    gauges
+        Log → errors of its input: the levels of a command lie as far apart as they were set, and
+        nothing is rounded.
     """
-    told = input_rounding_issues(base, answer.remainder)
+    told = input_rounding_issues(base, answer.remainder, gauges)
     rest = answer.remainder.rms
     issues = (*answer.issues, *told, *rounding_issues(logs, answer.base, rest))
     first = told[0].remedy if told and answer.verdict is Verdict.UNKNOWN else None
@@ -92,7 +98,9 @@ def rounding_issues(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[I
     return tuple(found)
 
 
-def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue, ...]:
+def input_rounding_issues(
+    final: Candidate, remainder: Remainder, gauges: Mapping[str, GaugeErrors]
+) -> tuple[Issue, ...]:
     """A remark where the rounding of the input makes a fair part of what is left.
 
     Between two changes of the recorded input all that was rounded is taken as one number, anywhere
@@ -104,17 +112,19 @@ def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue
         The last model.
     remainder
         What it leaves.
+    gauges
+        As in `with_rounding`.
     """
     problem = final.problem
     name, first = problem.logs[0].input, problem.outputs[0]
     channel = problem.logs[0].channels[name]
     values = np.concatenate([log.channels[name].values for log in problem.logs])
-    grid = find_quantisation(values)
-    if grid is None or not remainder.leaves_something or not remainder.rms > 0.0:
+    step = max(gauges.get(log.name, NO_ERRORS).step for log in problem.logs)
+    if not (step > 0.0 and remainder.leaves_something and remainder.rms > 0.0):
         return ()
     if np.median(np.unique(values, return_counts=True)[1]) < MET_AGAIN:
         return ()
-    moved = [_moved_by_rounding(final, k, grid.step) for k in range(len(problem.segments))]
+    moved = [_moved_by_rounding(final, k, step) for k in range(len(problem.segments))]
     rms = float(np.sqrt(np.mean(np.concatenate(moved) ** 2)))
     share = rms**2 / remainder.rms**2
     if share < TOLD_SHARE:
@@ -124,7 +134,7 @@ def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue
         Issue(
             COARSE_INPUT,
             "warning",
-            f"{name} is recorded in steps of {grid.step * channel.display_factor:.3g} "
+            f"{name} is recorded in steps of {step * channel.display_factor:.3g} "
             f"{channel.display_unit}; that rounding by itself moves the simulated {first} by "
             f"{rms * output.display_factor:.3g} {output.display_unit} rms, "
             f"{percent(min(share, 1.0))} of the power of what is left",

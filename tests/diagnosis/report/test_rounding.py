@@ -17,6 +17,7 @@ from softid.diagnosis.report.rounding import (
 )
 from softid.diagnosis_results import Verdict
 from softid.excitation.texture import find_quantisation
+from softid.identification.gauge_errors import gauge_errors
 from softid.log import Log
 
 BASE = diagnosis(Verdict.ADEQUATE).base
@@ -64,11 +65,12 @@ def test_rounding_of_the_input_that_makes_what_is_left_is_told(rms: float, told:
     problem = linear_problem([ramped(2.0)])
     base = standing(problem, problem.unknowns(TRUTH))
     left = replace(remainder(structured=True, explained=0.0), rms=rms)
-    found = input_rounding_issues(base, left)
+    gauges = {log.name: gauge_errors(log) for log in problem.logs}
+    found = input_rounding_issues(base, left, gauges)
     assert bool(found) is told
     if told:
         assert "pressure is recorded in steps of 2 kPa" in found[0].message
-    assert not input_rounding_issues(base, replace(left, structured=False))
+    assert not input_rounding_issues(base, replace(left, structured=False), gauges)
 
 
 def test_a_ramp_between_two_levels_is_not_rounded() -> None:
@@ -80,7 +82,27 @@ def test_a_ramp_between_two_levels_is_not_rounded() -> None:
     base = standing(problem, problem.unknowns(TRUTH))
     left = replace(remainder(structured=True, explained=0.0), rms=1e-3)
     assert find_quantisation(pressure) is not None
-    assert not input_rounding_issues(base, left)
+    assert not input_rounding_issues(base, left, {log.name: gauge_errors(log)})
+
+
+@pytest.mark.parametrize("name", ["pressure", "pressure_command"])
+def test_levels_as_far_apart_as_they_were_set_are_not_rounded(name: str) -> None:
+    """By definition: a staircase of 20 kPa is what was commanded, up and down, again and again."""
+    time_s = np.arange(3000) / 50.0
+    pressure = 20.0 * np.round(4.0 * np.abs((time_s / 10.0) % 2.0 - 1.0))
+    log = Log.from_arrays(
+        time_s,
+        {name: pressure, "angle": linear_angle(time_s, pressure)},
+        input=name,
+        units={name: "kPa"},
+    )
+    problem = linear_problem([log])
+    base = standing(problem, problem.unknowns(TRUTH))
+    left = replace(remainder(structured=True, explained=0.0), rms=0.01)
+    found = find_quantisation(pressure)
+    assert found is not None
+    assert found.step == pytest.approx(20.0)
+    assert not input_rounding_issues(base, left, {log.name: gauge_errors(log)})
 
 
 @pytest.mark.parametrize("verdict", [Verdict.UNKNOWN, Verdict.PARTIAL])
@@ -90,7 +112,8 @@ def test_an_unknown_cause_asks_for_a_finer_input_first(verdict: Verdict) -> None
     base = standing(problem, problem.unknowns(TRUTH))
     left = replace(remainder(structured=True, explained=0.0), rms=0.01)
     answer = replace(diagnosis(verdict), remainder=left, next_experiment="repeat it")
-    told = with_rounding(answer, problem.logs, base)
+    gauges = {log.name: gauge_errors(log) for log in problem.logs}
+    told = with_rounding(answer, problem.logs, base, gauges)
     assert COARSE_INPUT in {issue.code for issue in told.issues}
     asks = told.next_experiment or ""
     assert ("finer converter" in asks) is (verdict is Verdict.UNKNOWN)
