@@ -19,6 +19,13 @@ Array = npt.NDArray[np.float64]
 REST_SHARE = 0.1
 """Share of the input's range that counts as the size of the input at which an actuator rests."""
 
+FARTHEST_REST = 3.0
+"""Ranges beyond the recorded ones, and beyond the zero of the readings, in which the place of no
+position lies: much further away what grows with the position would be a constant that drifts."""
+
+LEAST_SPAN = float(np.finfo(np.float64).tiny)
+"""Range of an output that stands still, by which nothing is divided."""
+
 
 def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
     """The problem of the base model with effects more, each where it acts as a rule.
@@ -96,8 +103,12 @@ def _with_free_rest(declared: ParameterSet, model: ExtendedModel) -> ParameterSe
     held = declared[name]
     if not held.fixed or held.value != model.model.parameters()[name].value:
         return declared  # it is free already, or held where the user wants it
-    size = REST_SHARE * model.scale.u_span  # says how far it may move, not where it begins
-    return declared.replacing(replace(held, fixed=False, value=size))
+    scale = model.scale
+    size = REST_SHARE * scale.u_span  # says how far it may move, not where it begins
+    reading = max(abs(scale.y_low), abs(scale.y_high)) / max(scale.y_span, LEAST_SPAN)
+    beyond = (FARTHEST_REST + reading) * scale.u_span
+    lower, upper = scale.u_low - beyond, scale.u_high + beyond
+    return declared.replacing(replace(held, fixed=False, value=size, lower=lower, upper=upper))
 
 
 def start_unknowns(

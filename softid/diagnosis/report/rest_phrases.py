@@ -111,10 +111,12 @@ def what_is_unknown(remainder: Remainder) -> str:
         or remainder.explained_share > 0.0
         or remainder.is_a_line
     )
-    opening = (
-        "Something is missing, or the noise is slow" if may_be_noise else "Something is missing"
-    )
-    return f"{opening}, and none of the effects tried can be named for it."
+    or_else = ""
+    if may_be_noise:
+        or_else = ", or the noise is slow"
+    elif remainder.misses_held_out and not remainder.structured:
+        or_else = ", or parameters are off that the fitted logs hardly tell"
+    return f"Something is missing{or_else}, and none of the effects tried can be named for it."
 
 
 def what_it_may_be(remainder: Remainder) -> str:

@@ -135,6 +135,11 @@ MOST_OF_A_LOOP = 0.8
 """Share of what such a cause does that a second loop does as well where there is a second loop: of
 what several elements leave of one it takes nearly all, of another law hardly any."""
 
+MOST_OF_AN_AVERAGE = 0.99
+"""Share of what a moving average does that a limit of the filling rate does as well where all steps
+are of one size: each is a ramp of one length then, and what is left of it goes by the moments of
+the jumps, which lie between samples."""
+
 AT_REST = ("static_curve", "stiffening")
 """What friction of another size at each position leaves of a constant one, or of one that goes with
 the pressure, looks like these, for it holds the actuator elsewhere."""
@@ -173,6 +178,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     ),
     Replacement(("relaxation", "smoothing"), ((LateGauge(),), (EarlyReading(),)), behind=0.0),
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
+    Replacement(("smoothing",), ((RateLimit(),),), most=MOST_OF_AN_AVERAGE),
     Replacement(("pneumatic_lag.separate",), ((UnevenReading(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
     Replacement(BESIDE_A_LOOP, ((SecondHysteresis(),),), beside="hysteresis", most=MOST_OF_A_LOOP),

@@ -121,3 +121,24 @@ def test_an_ageing_spring_is_named_wherever_it_rests() -> None:
     values = {p.name: p.value for p in found.extended.parameters} if found.extended else {}
     assert values["ageing_r"] == pytest.approx(rate, rel=0.05)
     assert values["offset"] == pytest.approx(-rest, rel=0.05)
+
+
+def test_a_drift_of_the_zero_is_no_gain_of_a_far_place() -> None:
+    """Known truth: the zero drifts by 0.002 rad/s.
+
+    With the place of no position 30 ranges away a gain or a stiffness that drifts would do as much.
+    """
+    logs = [linear_log(samples=1500, noise=0.004, seed=seed) for seed in (1, 2)]
+    for k, log in enumerate(logs):
+        angle = log.channels["angle"]
+        drifting = replace(angle, values=angle.values + 0.002 * log.time_s)
+        logs[k] = replace(log, channels={**log.channels, "angle": drifting})
+    effects = ("sensor_drift", "sensor_gain_drift", "ageing", "softening", "delay")
+    found = diagnose(logs[0], hold_out=logs[1], model=MODEL, effects=effects)
+    assert [cause.key for cause in found.causes] == ["sensor_drift"]
+    tied = {name for tie in found.alternatives for name in tie.effects}
+    assert not tied & {"sensor_gain_drift", "ageing"}
+    base, scale = base_problem()
+    offset = extend(base, [AGEING], scale).parameters["offset"]
+    assert offset.upper - scale.u_high < 6.0 * scale.u_span
+    assert scale.u_low - offset.lower < 6.0 * scale.u_span

@@ -50,6 +50,15 @@ def test_what_speaks_against_slow_noise_is_told(mark: NotNoise) -> None:
     assert "the noise is slow" not in text
 
 
+@pytest.mark.parametrize(("structured", "said"), [(False, True), (True, False)])
+def test_a_hold_out_that_is_missed_may_lie_in_the_parameters(structured: bool, said: bool) -> None:
+    """Where the fitted logs leave noise, and what is held out more than that."""
+    found = diagnosis(Verdict.UNKNOWN)
+    left = replace(found.remainder, structured=structured, misses_held_out=True)
+    text = told(replace(found, remainder=left))
+    assert ("or parameters are off that the fitted logs hardly tell" in text) is said
+
+
 def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
     """A third of the rest follows from the motion, where shifted residuals reach two fifths."""
     found = diagnosis(Verdict.UNKNOWN)

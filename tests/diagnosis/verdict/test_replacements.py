@@ -231,6 +231,35 @@ def test_a_limit_in_the_place_of_a_curve_beside_a_drift() -> None:
     assert curve.rivals[:2] == ("static_curve", "input_limit")
 
 
+@pytest.mark.parametrize("sizes", [(100.0,), (30.0, 100.0)])
+def test_a_limit_of_the_rate_in_the_place_of_an_average(sizes: tuple[float, ...]) -> None:
+    """A linear actuator whose pressure goes by 100 kPa/s: steps of one size are ramps of one time.
+
+    So a mean over that time is the same law where all steps are alike, and none where they differ.
+    """
+
+    def limited_log(seed: int) -> Log:
+        time_s = np.arange(40 * RATE_HZ) / RATE_HZ
+        step = (time_s / 2.5).astype(int)
+        pressure = np.where(step % 2 == 1, np.array(sizes)[step // 2 % len(sizes)], 0.0)
+        arriving = np.zeros(time_s.size)
+        for k in range(1, time_s.size):
+            most = 100.0 / RATE_HZ
+            arriving[k] = arriving[k - 1] + np.clip(pressure[k] - arriving[k - 1], -most, most)
+        angle = linear_angle(time_s, arriving)
+        angle += 0.005 * np.random.default_rng(seed).standard_normal(angle.size)
+        return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=f"l-{seed}")
+
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((limited_log(1),)), (limited_log(2),), thorough=False)
+    final = converged_with(base, (effect_of("smoothing.past"),))
+    (link,) = with_replacements([link_of("smoothing.past")], [True], final, base)
+    assert "rate_limit" in link.rivals[1:]
+    (_, other) = link.replaced[[name for name, _ in link.replaced].index("rate_limit")]
+    ratio = final.squares / other.squares
+    assert (ratio == pytest.approx(1.0, abs=0.1)) if len(sizes) == 1 else ratio > 3.0
+
+
 @pytest.mark.parametrize("key", ["sensor_clipping.lower", "contact.lower"])
 def test_a_dead_zone_in_the_place_of_a_lower_limit(key: str) -> None:
     """A linear actuator that does not feel the first 30 kPa, in a slow sine.
