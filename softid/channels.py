@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -25,6 +26,43 @@ OUTPUT_PREFERENCE = (
     "force",
 )
 """Which channel is the output when the user names none: the first of these that is there."""
+
+COMMAND_WORDS = frozenset(
+    [
+        "cmd",
+        "command",
+        "commanded",
+        "set",
+        "setpoint",
+        "setp",
+        "sp",
+        "ref",
+        "reference",
+        "target",
+        "desired",
+        "des",
+        "demand",
+        "goal",
+        "soll",
+    ]
+)
+"""Words in a name that say that somebody set it and nobody measured it."""
+
+
+def is_command(name: str) -> bool:
+    """Whether a channel is what was commanded, by the words of its name.
+
+    Parameters
+    ----------
+    name
+        Of the channel.
+
+    Examples
+    --------
+    >>> is_command("pressure_command"), is_command("valve setpoint (V)"), is_command("pressure")
+    (True, True, False)
+    """
+    return not COMMAND_WORDS.isdisjoint(re.split(r"[^a-z]+", name.lower()))
 
 
 def read_only(values: npt.ArrayLike) -> Array:

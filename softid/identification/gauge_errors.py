@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import is_command
 from softid.excitation import find_quantisation, run_starts
 from softid.identification.input_denoising import input_noise_sd
 from softid.log import Log
@@ -125,7 +126,7 @@ def gauge_errors(log: Log) -> GaugeErrors:
 def _hidden_step(log: Log, sd: float) -> float:
     """Step of the converter of an input; 0 where its rounding hides nothing."""
     values = log.channels[log.input].values
-    grid = None if log.input == "pressure_command" else find_quantisation(values)
+    grid = None if is_command(log.input) else find_quantisation(values)
     if grid is None or sd >= BLURRED * grid.step:
         return 0.0
     moves = np.abs(np.diff(values[run_starts(values)])) / grid.step

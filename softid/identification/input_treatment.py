@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from softid.channels import is_command
 from softid.errors import Issue
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
@@ -14,7 +15,6 @@ from softid.identification.input_denoising import without_input_noise
 from softid.identification.intersample_choice import (
     BEHAVIOUR_WORDS,
     BETTER_BY,
-    COMMAND,
     choice_unless_held,
     misfit_of,
 )
@@ -115,7 +115,7 @@ def other_ways(log: Log, intersample: Intersample | None) -> tuple[Intersample, 
     intersample
         What the input of the fitted logs does.
     """
-    if intersample is None or not (intersample in HELD or log.input == COMMAND):
+    if intersample is None or not (intersample in HELD or is_command(log.input)):
         return ()
     return tuple(way for way in (*HELD, choice_unless_held([log])) if way != intersample)
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import is_command
 from softid.errors import Issue
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, draft_fit
@@ -19,8 +20,6 @@ from softid.intersample import HELD, Intersample, jumps, knots
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
-
-COMMAND = "pressure_command"
 
 HELD_INPUT = "held-input"
 """Code of the remark that an input is taken as held."""
@@ -60,7 +59,7 @@ def held_choices(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     open_ones = [log for log in logs if log.intersample is None]
     if any(jumps(log.channels[log.input].values).size for log in open_ones):
         return HELD
-    return ("zoh",) if any(log.input == COMMAND for log in open_ones) else ()
+    return ("zoh",) if any(is_command(log.input) for log in open_ones) else ()
 
 
 def is_smooth(logs: Iterable[Log]) -> bool:
@@ -71,7 +70,7 @@ def is_smooth(logs: Iterable[Log]) -> bool:
     logs
         Logs to fit.
     """
-    open_ones = [log for log in logs if log.intersample is None and log.input != COMMAND]
+    open_ones = [log for log in logs if log.intersample is None and not is_command(log.input)]
     segments = (segment for log in open_ones for segment in log.segments())
     return any(knots(s.time_s, s.input, "smooth")[0].size for s in segments)
 

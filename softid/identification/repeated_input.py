@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import is_command
 from softid.errors import Issue
 from softid.excitation import SampleHold, run_starts
-from softid.identification.intersample_choice import COMMAND
 from softid.identification.repeated_output import rows_without_news
 from softid.identification.repeated_values import has_new_values, hold_of, new_readings
 from softid.identification.sensor_clock import find_clock
@@ -51,7 +51,7 @@ def without_repeats(log: Log) -> Log:
     log
         A log; its outputs are not touched.
     """
-    if log.input == COMMAND or log.intersample is not None:
+    if is_command(log.input) or log.intersample is not None:
         return log
     values = log.channels[log.input].values
     hold = hold_of(log.time_s, values)

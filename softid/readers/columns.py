@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from softid.channels import COMMAND_WORDS
 from softid.units import CHANNEL_QUANTITY, Unit, lookup_unit
 
 EXACT, SYNONYM, LOOKALIKE = 0, 1, 2
@@ -28,25 +29,6 @@ _WORDS: dict[str, tuple[str, ...]] = {
 }
 _CHANNEL_OF_WORD = {word: channel for channel, words in _WORDS.items() for word in words}
 _SHORT = {word for word in _CHANNEL_OF_WORD if len(word) == 1}
-_COMMAND = frozenset(
-    [
-        "cmd",
-        "command",
-        "commanded",
-        "set",
-        "setpoint",
-        "setp",
-        "sp",
-        "ref",
-        "reference",
-        "target",
-        "desired",
-        "des",
-        "demand",
-        "goal",
-        "soll",
-    ]
-)
 _HARMLESS = frozenset(
     [
         "meas",
@@ -221,16 +203,16 @@ def match_channel(name: ColumnName) -> tuple[str, int] | None:
         return None
     if not heads:
         is_pressure = name.known_unit is not None and name.known_unit.quantity == "pressure"
-        return ("pressure_command", LOOKALIKE) if is_pressure and words & _COMMAND else None
+        return ("pressure_command", LOOKALIKE) if is_pressure and words & COMMAND_WORDS else None
     head = heads[-1]
     channel = _CHANNEL_OF_WORD[head]
     extra = [w for w in name.words if w != head and w not in _HARMLESS]
-    commanded = bool(words & _COMMAND) or {"set", "point"} <= words
+    commanded = bool(words & COMMAND_WORDS) or {"set", "point"} <= words
     if commanded:
         if channel != "pressure":
             return None
         channel = "pressure_command"
-        extra = [w for w in extra if w not in _COMMAND and w != "point"]
+        extra = [w for w in extra if w not in COMMAND_WORDS and w != "point"]
     if head in _SHORT and not _short_word_fits(name, channel, extra):
         return None
     if extra:

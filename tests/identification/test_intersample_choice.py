@@ -179,3 +179,14 @@ def test_the_same_logs_explain_nothing_better() -> None:
     values = {"N": 100.0 * TAU_S, "Q": 100.0}
     optimum = draft_fit(problem, [values])
     assert not explains_better(Explained(problem, optimum), logs)
+
+
+@pytest.mark.parametrize(
+    ("name", "choices"), [("valve command (V)", ("zoh",)), ("pwm_setpoint", ("zoh",)), ("valve", ())]
+)
+def test_what_is_commanded_in_any_unit_may_be_held(name: str, choices: tuple[str, ...]) -> None:
+    """By definition: a controller holds what it sets, however slowly it moves."""
+    time_s = np.arange(400) * 0.02
+    channels = {name: 5.0 + np.sin(time_s), "angle": np.sin(time_s)}
+    log = Log.from_arrays(time_s, channels, input=name, units={name: "1"})
+    assert held_choices([log]) == choices

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from softid.channels import is_command
 from softid.diagnosis.base.base_fit import Recordings
 from softid.diagnosis.logs.decimation import with_other_intersample
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
@@ -25,7 +26,6 @@ from softid.fitters.residual_whiteness import residuals_by_channel, squared_auto
 from softid.identification.input_treatment import explained_best, other_ways
 from softid.identification.intersample_choice import (
     BETTER_BY,
-    COMMAND,
     HELD_INPUT,
     as_held,
     choice_unless_held,
@@ -70,7 +70,7 @@ def is_open(logs: LogSet) -> bool:
 
 def is_measured(logs: Iterable[Log]) -> bool:
     """Whether no input is a command."""
-    return all(log.input != COMMAND for log in logs)
+    return not any(is_command(log.input) for log in logs)
 
 
 def better_intersample(
