@@ -182,7 +182,8 @@ def test_the_same_logs_explain_nothing_better() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "choices"), [("valve command (V)", ("zoh",)), ("pwm_setpoint", ("zoh",)), ("valve", ())]
+    ("name", "choices"),
+    [("valve command (V)", ("zoh",)), ("pwm_setpoint", ("zoh",)), ("valve", ())],
 )
 def test_what_is_commanded_in_any_unit_may_be_held(name: str, choices: tuple[str, ...]) -> None:
     """By definition: a controller holds what it sets, however slowly it moves."""

@@ -92,13 +92,15 @@ class ErrorTexts:
         low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
         return f"{low} %" if low == high else f"{low} to {high} %"
 
-    def misfit(self, *, is_extended: bool) -> str:
+    def misfit(self, *, is_extended: bool, is_adequate: bool = False) -> str:
         """What the base model reaches.
 
         Parameters
         ----------
         is_extended
             Whether causes or descriptions gain something there.
+        is_adequate
+            Whether nothing is wrong with it: then it follows the output, and does not miss it.
         """
         model = f"The {self.base.model.name} model"
         if not self.rows:
@@ -114,14 +116,22 @@ class ErrorTexts:
             )
         is_still = any(g.fit_percent_before < RUNS_AWAY for g in self.rows)
         known = "" if is_still else f" (fit {fit})"
-        told = f"{model} misses {self.first} by {before} rms on {where}{known}."
-        if self.held_out and error > ASTRAY * fitted:
+        strays = self.held_out and error > ASTRAY * fitted
+        follows = is_adequate and not strays and self._explains_something
+        what = f"follows {self.first} to" if follows else f"misses {self.first} by"
+        told = f"{model} {what} {before} rms on {where}{known}."
+        if strays:
             gained = ", and what is gained there is in part better parameters"
             told += (
                 f" On the fitted ones it is {self.size(fitted)}: the model does not carry over"
                 f"{gained if is_extended else ''}."
             )
         return told
+
+    @property
+    def _explains_something(self) -> bool:
+        """Whether the model does better than a constant wherever it is judged."""
+        return not any(g.fit_percent_before < HARDLY_ANY_FIT for g in self.rows)
 
     def _runs_away(self, gain: Gain) -> bool:
         """Whether the model errs by far more than anything moves, there and in the fitted logs."""
@@ -160,7 +170,7 @@ class ErrorTexts:
 
     def nothing_to_mend(self, remainder: Remainder) -> str:
         """The last word on an adequate model, and what it is worth."""
-        if any(g.fit_percent_before < HARDLY_ANY_FIT for g in self.rows):
+        if not self._explains_something:
             return "But a constant would do as well: the logs show too little to judge the model."
         more = self.more_held_out(remainder)
         if more and not remainder.open_jumps_held_out:

@@ -86,7 +86,10 @@ def summarise(found: Diagnosis, remarks: Remarks) -> str:
         has_line=remarks.has_line,
         law=remarks.law_beside,
     )
-    opening = teller.misfit(is_extended=bool(found.causes or found.descriptive))
+    opening = teller.misfit(
+        is_extended=bool(found.causes or found.descriptive),
+        is_adequate=found.verdict is Verdict.ADEQUATE,
+    )
     told = [opening, given_up(dropped), *map(sentence, remarks.seen)]
     each: list[str] = []
     if found.verdict is Verdict.ADEQUATE:

@@ -26,9 +26,8 @@ def told(found: Diagnosis) -> str:
 def test_every_paragraph_is_short_and_in_the_units_of_the_log(verdict: Verdict) -> None:
     """The held-out error of step_2 is 2 degrees, 16 % of 12.5; the record itself is in radians."""
     text = told(diagnosis(verdict))
-    assert text.startswith(
-        "The muscle model misses angle by 2 deg rms on held-out samples (fit 84 %)."
-    )
+    what = "follows angle to" if verdict is Verdict.ADEQUATE else "misses angle by"
+    assert text.startswith(f"The muscle model {what} 2 deg rms on held-out samples (fit 84 %).")
     assert len(text.split()) < 200
     assert " rad " not in text.replace("rad/s", "")
     assert text.endswith(".")
