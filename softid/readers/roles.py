@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 
 from softid.channels import OUTPUT_PREFERENCE, default_outputs
@@ -160,6 +161,9 @@ def _resolve(found: Found, name: str, option: str, where: str, asked_by: str | N
         return name
     if name in found.columns:
         return found.columns[name]
+    bare = [column for column in found.columns if _without_unit(column) == name]
+    if len(bare) == 1:
+        return found.columns[bare[0]]
     if asked_by is not None:
         raise InputError(
             f"the log has no channel {name}, which {asked_by} asks for",
@@ -172,3 +176,8 @@ def _resolve(found: Found, name: str, option: str, where: str, asked_by: str | N
         where=f"{where}, {option}",
         remedy=f"choose from {first_names(list(found.channels))}, or map a column with --channel",
     )
+
+
+def _without_unit(column: str) -> str:
+    """The name of a column without the unit that stands behind it in brackets."""
+    return re.sub(r"\s*(\([^()]*\)|\[[^][]*\])\s*$", "", column)

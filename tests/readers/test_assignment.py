@@ -239,6 +239,10 @@ def test_missing_channels_say_which_option_helps(write_log: WriteFile) -> None:
         ("time_s,pressure_kpa,angle_deg", {"input": "angle_deg", "outputs": ["pressure_kpa"]},
          ("angle", ("pressure",))),
         ("time_s,pump,angle_deg", {"input": "pump"}, ("pump", ("angle",))),
+        (
+            "t,command (V),flex [V],angle", {"input": "command", "outputs": ["flex"]},
+            ("command (V)", ("flex [V]",)),
+        ),
     ],
 )  # fmt: skip
 def test_roles(
