@@ -11,7 +11,7 @@ from softid.diagnosis_results import Verdict
 from softid.synthesis import hidden_pair
 
 
-@pytest.mark.parametrize("model", ["muscle", None])
+@pytest.mark.parametrize("model", ["muscle", pytest.param(None, marks=pytest.mark.slow)])
 def test_what_it_leaves_open_is_no_cause(model: str | None) -> None:
     """Nothing is hidden: the seven parameters of a muscle are not those of one step, and a lower
     one is missed. That may be these, as the answer says; no law is described for it."""

@@ -55,6 +55,7 @@ def late_and_drifting(seed: int) -> Log:
     return Log.from_arrays(time_s, channels, name=f"late {seed}").with_intersample("straight")
 
 
+@pytest.mark.slow
 def test_leaving_nothing_out_leaves_the_same_error_of_averages(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

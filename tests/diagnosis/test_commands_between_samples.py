@@ -111,7 +111,7 @@ def diagnosed(law: str, seed: int, *, fitted: bool, judges: bool) -> Diagnosis:
 @pytest.mark.parametrize(
     ("fitted", "judges", "seed"),
     [
-        (True, False, 30),
+        pytest.param(True, False, 30, marks=pytest.mark.slow),
         (False, True, 40),
         *(
             pytest.param(fitted, judges, seed, marks=pytest.mark.slow)

@@ -26,7 +26,10 @@ def test_what_was_read_between_is_not_averaged_away() -> None:
     assert evenly_sampled(replace(log, intersample="zoh")) is None
 
 
-@pytest.mark.parametrize(("drift", "verdict"), [(0.0, Verdict.ADEQUATE), (0.02, Verdict.NAMED)])
+@pytest.mark.parametrize(
+    ("drift", "verdict"),
+    [(0.0, Verdict.ADEQUATE), pytest.param(0.02, Verdict.NAMED, marks=pytest.mark.slow)],
+)
 def test_a_slow_camera_beside_a_gauge(drift: float, verdict: Verdict) -> None:
     """Known truth: nothing, which single residuals with gaps between them could not tell from a
     misfit, or a reading that drifts by 0.02 rad/s."""

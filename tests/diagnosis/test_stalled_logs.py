@@ -31,7 +31,7 @@ DRAWS = [
     pytest.param(
         hidden,
         seed,
-        marks=() if seed == 1 and hidden != "creep" else pytest.mark.slow,
+        marks=() if seed == 1 and hidden not in ("creep", "softening") else pytest.mark.slow,
         id=f"{hidden}-{seed}",
     )
     for seed in range(1, 5)

@@ -124,6 +124,7 @@ def test_a_false_optimum_is_left_by_way_of_the_pieces() -> None:
     assert ratio == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_starts_that_have_met_go_on_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Starts with three shapes of damping meet over longer pieces: fewer simulations, same end."""
     whole = problem()

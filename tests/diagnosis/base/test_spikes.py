@@ -41,7 +41,7 @@ def test_they_are_left_out_and_told(hidden: str) -> None:
     assert told[0].startswith("train: ")
 
 
-@pytest.mark.parametrize("at_jump", [False, True])
+@pytest.mark.parametrize("at_jump", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_two_side_by_side_away_from_jumps_of_the_input(at_jump: bool) -> None:
     """Two readings alike, off by fifty deviations of the noise: beside a jump of the input a quick
     actuator may have moved, or not yet."""
@@ -58,6 +58,7 @@ def test_two_side_by_side_away_from_jumps_of_the_input(at_jump: bool) -> None:
     assert [message.startswith("train: 2 readings") for message in told] == [True] * (not at_jump)
 
 
+@pytest.mark.slow
 def test_noise_has_none() -> None:
     train, hold_out = hidden_pair([], seed=611).logs
     found = diagnose(train, hold_out=[hold_out], model="muscle")

@@ -242,7 +242,7 @@ def test_a_diagnosis_tells_the_moment() -> None:
     assert "diagnose what comes before and after it apart" in (found.next_experiment or "")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_load_that_is_hung_on_is_no_jump_of_the_zero(seed: int) -> None:
     """Where the stiffness goes with the pressure the two differ from level to level."""
     pair = hidden_pair(["load_jump"], seed=seed)

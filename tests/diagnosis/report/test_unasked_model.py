@@ -21,7 +21,7 @@ def test_a_model_that_needs_no_cause_is_told_in_the_place_of_descriptions() -> N
     assert found.next_experiment == told.remedy
 
 
-@pytest.mark.parametrize("model", ["muscle", "oscillator"])
+@pytest.mark.parametrize("model", ["muscle", pytest.param("oscillator", marks=pytest.mark.slow)])
 def test_a_misfit_that_no_model_explains_is_left_alone(model: str) -> None:
     """A damping by position: the muscle, which would be chosen, leaves more than noise itself."""
     log, judge = hidden_pair(["position_damping"], seed=3).logs

@@ -194,7 +194,9 @@ def test_a_course_that_is_sampled_well_is_not_drawn() -> None:
     assert input_noise(standing(problem, problem.unknowns(TRUTH)), {}, 1e-4) is None
 
 
-@pytest.mark.parametrize(("hidden", "seed"), [("", 3), ("dead_zone", 1)])
+@pytest.mark.parametrize(
+    ("hidden", "seed"), [("", 3), pytest.param("dead_zone", 1, marks=pytest.mark.slow)]
+)
 def test_what_the_input_did_between_its_samples_is_no_misfit(hidden: str, seed: int) -> None:
     """At 50 Hz behind a valve of 20 ms the input bends between two samples, and nobody sees how."""
     rig = Rig(rate_hz=50.0, valve_s=0.02, pressure_noise_kpa=0.0, noise=0.001)

@@ -202,6 +202,7 @@ def test_moments_that_a_cause_asks_for_do_not_scatter(delay_s: float, scatter: b
     assert left.open_jumps_scatter is scatter
 
 
+@pytest.mark.slow
 def test_nothing_is_left_open_where_the_course_is_on_record() -> None:
     """The same valve: what it did is known, and noise is left."""
     found = diagnosed(rises_s=0.3)
@@ -223,6 +224,7 @@ def test_moments_in_what_is_held_out_are_open_too(delay_s: float, misses: bool) 
     assert (left.open_jumps_held_out > 12) is not misses
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay_s", [0.05, pytest.param(0.12, marks=pytest.mark.slow)])
 def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
     """One of two intervals and a half, in every jump alike, is no matter of their moments."""

@@ -51,7 +51,10 @@ def test_what_lies_on_no_grid_has_none() -> None:
 
 @pytest.mark.parametrize(
     ("names", "verdict"),
-    [([], Verdict.ADEQUATE), pytest.param(["creep"], Verdict.NAMED, marks=pytest.mark.slow)],
+    [
+        pytest.param([], Verdict.ADEQUATE, marks=pytest.mark.slow),
+        pytest.param(["creep"], Verdict.NAMED, marks=pytest.mark.slow),
+    ],
 )
 def test_steps_of_a_fiftieth_of_the_range(names: list[str], verdict: Verdict) -> None:
     """Nothing but rounding is left of the clean log, and of the other what creeps is found."""

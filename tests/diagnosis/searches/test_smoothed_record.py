@@ -37,7 +37,7 @@ def filtered(log: Log, smooth: Callable[[Array], Array]) -> Log:
 @pytest.mark.parametrize(
     ("seed", "smooth"),
     [
-        (7, there_and_back(6.0, 4)),
+        pytest.param(7, there_and_back(6.0, 4), marks=pytest.mark.slow),
         pytest.param(8, lambda y: savgol_filter(y, 21, 3), marks=pytest.mark.slow),
         pytest.param(9, there_and_back(6.0, 4), marks=pytest.mark.slow),
     ],

@@ -49,6 +49,7 @@ def told_and_named(found: Diagnosis, pair: HiddenPair, effect: str) -> bool:
     return is_told and effect in named and bool(all_recovered(found, pair))
 
 
+@pytest.mark.slow
 def test_a_cause_is_named_beside_a_slip() -> None:
     """Stands on the truth of the generator: the cause, its size, and the moment of the slip."""
     pair = hidden_pair(["coulomb_friction"], seed=2)
@@ -71,7 +72,6 @@ def test_most_causes_are_named_beside_a_slip() -> None:
     assert not any(found.causes for found, is_met in zip(answers, met, strict=True) if not is_met)
 
 
-@pytest.mark.slow
 def test_a_slip_of_the_judge_is_told_too() -> None:
     """Both logs slip, one up and one down: what is held out may not refuse the cause for that."""
     pair = hidden_pair(["coulomb_friction"], seed=2)
@@ -90,7 +90,9 @@ def test_a_slip_alone_is_an_event() -> None:
     assert CHANGE_POINT in {issue.code for issue in found.issues}
 
 
-@pytest.mark.parametrize("effect", ["coulomb_friction", "creep"])
+@pytest.mark.parametrize(
+    "effect", ["coulomb_friction", pytest.param("creep", marks=pytest.mark.slow)]
+)
 def test_no_jump_is_taken_out_of_a_steady_log(effect: str) -> None:
     """Where the cause is not among those considered, a jump does not stand in for it."""
     train, hold_out = hidden_pair([effect], seed=6).logs
