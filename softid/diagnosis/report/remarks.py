@@ -130,10 +130,12 @@ def _messages(found: Diagnosis, codes: Collection[str]) -> tuple[str, ...]:
 def _seen(found: Diagnosis) -> tuple[str, ...]:
     """The remarks on the logs that belong into the paragraph.
 
-    That a first cycle leaves a set is told of one log, and not where a cause that does so is named.
+    That a first cycle leaves a set is told of one log, and not where a cause that does so is named,
+    or tied with what is.
     """
-    named = {name for tie in found.alternatives for name in tie.effects}
-    named |= {cause.effect for cause in found.causes}
+    named = {cause.effect for cause in found.causes}
+    if named:
+        named |= {name for tie in found.alternatives for name in tie.effects}
     codes: tuple[str, ...] = ALWAYS_SEEN
     if found.verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
         codes = (*ALWAYS_SEEN, NEARLY_STATIC)

@@ -33,6 +33,8 @@ def test_a_set_is_told_once_and_not_beside_what_leaves_one() -> None:
     assert "keeps a set" not in told(replace(found, causes=(creep,)))
     tie = Alternative(("coulomb_friction", "hysteresis"), {"hysteresis": 1.0}, "no slow loops")
     assert "keeps a set" not in told(replace(found, alternatives=(tie,)))
+    unknown = replace(diagnosis(Verdict.UNKNOWN), issues=SETS, alternatives=(tie,))
+    assert "Log 1 keeps a set." in told(unknown)  # a tie of descriptions explains nothing
 
 
 def test_what_leaves_a_set_is_in_the_catalogue() -> None:
