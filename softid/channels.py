@@ -27,6 +27,9 @@ OUTPUT_PREFERENCE = (
 )
 """Which channel is the output when the user names none: the first of these that is there."""
 
+PRESSURE_COMMAND = "pressure_command"
+"""The channel of a pressure that was set."""
+
 COMMAND_WORDS = frozenset(
     [
         "cmd",
@@ -50,12 +53,12 @@ COMMAND_WORDS = frozenset(
 
 
 def is_command(name: str) -> bool:
-    """Whether a channel is what was commanded, by the words of its name.
+    """Whether an input is what was commanded, by the words of its name.
 
     Parameters
     ----------
     name
-        Of the channel.
+        Of the input: an output of such a name may be a reference sensor.
 
     Examples
     --------

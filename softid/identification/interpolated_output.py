@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.channels import is_command
+from softid.channels import PRESSURE_COMMAND
 from softid.excitation import find_quantisation
 from softid.identification.interpolated_readings import reading_clock, readings_at
 from softid.log import Log
@@ -79,7 +79,7 @@ def interpolated_samples(log: Log) -> BoolArray:
     """
     every = np.ones(len(log), bool)
     for name in log.outputs:
-        if is_command(name):
+        if name == PRESSURE_COMMAND:
             return np.zeros(len(log), bool)
         every &= _between_readings(log.time_s, log.channels[name].values)
         if not every.any():

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.channels import is_command
+from softid.channels import PRESSURE_COMMAND
 from softid.excitation import run_starts
 from softid.identification.repeated_values import hold_of, new_readings
 from softid.log import Log
@@ -44,7 +44,7 @@ def rows_without_news(log: Log) -> BoolArray:
     """As `repeated_readings`, masked rows included, shape (n,)."""
     every = np.ones(len(log), bool)
     for name in log.outputs:
-        if is_command(name):
+        if name == PRESSURE_COMMAND:
             return np.zeros(len(log), bool)
         every &= _repeated(log.time_s, log.channels[name].values, log.channels[log.input].values)
     return every
