@@ -26,15 +26,14 @@ TO_NEXT = 0.5
 """Share of the changes that lead to a neighbouring step: a gauge passes them one by one, and a
 command that is set jumps."""
 
-
 LEAST_PASSED, LEAST_LONG = 4, 4
 """Fewest values that are passed on the way from one to another, and intervals that each lasts, to
 see on the output whether they were passed or set."""
 
 UNEVEN = 0.4
 """Difference of the output's moves in the two halves of such values, as a share of both, from which
-on they were set: it answers to a level within twice its time constant, and passes evenly what
-passes evenly. A motion of one time constant for every 1.7 of a level has so much."""
+on they were set: it passes evenly what is passed evenly, and answers to a level that is set. A
+motion of first order has so much, tanh(T/4τ), where a level lasts T = 1.7 of its time constants."""
 
 FEWEST_CODES = 16
 """Values over the range that a gauge has at least, of which the output does not tell; a judgement,

@@ -24,8 +24,8 @@ SHORTEST_TIMES, LONGEST_SHARE = 1e-3, 0.25
 share of the longest log."""
 
 START_TIMES = (0.1, 0.2, 0.4, 0.7, 1.1, 1.7, 2.5, 4.0)
-"""Starts of the time that a limit makes the whole range take, in times of the motion: the sum of
-squares has a valley of its own about the true one, hardly wider than a factor of two."""
+"""Starts of the time that a limit makes the whole range take, in times of the motion. Of
+three that lay further apart the best one led to a false optimum; each costs one simulation."""
 
 LEAST_LOST, MOST_LOST, START_LOST = 1e-3, 20.0, 0.3
 """Bounds and start of what a leak loses of the pressure beyond that at which it opens."""

@@ -17,10 +17,7 @@ def found_in(names: list[str], seed: int, size: float) -> Diagnosis:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "seed",
-    [1, 2, 3],
-)
+@pytest.mark.parametrize("seed", [1, 2, 3])
 def test_both_act_though_one_is_not_of_the_catalogue(seed: int) -> None:
     """Four elements that slip, beside a creep: a hysteresis leaves more than noise of them."""
     found = found_in(["maxwell_slip", "creep"], seed, 4.0)
