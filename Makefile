@@ -29,7 +29,6 @@ lint: $(LINT_STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest -q tests/test_layers.py
 
 bench: $(STAMP)
 	$(BIN)/python -m pytest -q -s --benchmark-only --benchmark-columns=median,iqr,rounds tests/benchmarks

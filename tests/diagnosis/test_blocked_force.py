@@ -33,7 +33,8 @@ def blocked_log(seed: int, share: float) -> Log:
     )
 
 
-@pytest.mark.parametrize("share", [pytest.param(0.0, marks=pytest.mark.slow), SHARE])
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.0, SHARE])
 def test_a_force_that_relaxes_is_told(share: float) -> None:
     """A held log that keeps its force is adequate; one that relaxes has the share and time put in,
     within a tenth, for the relaxation follows the pressure and not the force that lags behind it.

@@ -50,6 +50,7 @@ def test_a_payload_in_the_hold_out_does_not_hide_the_cause() -> None:
     assert "hardly show" not in found.summary
 
 
+@pytest.mark.slow
 def test_a_cause_gains_beside_what_is_held_out_differs_in() -> None:
     """Known truth: the input is late in both; a payload hides in the second what that does.
 

@@ -66,6 +66,7 @@ def test_what_is_held_out_differs_and_the_rest_is_asked_where_it_leaves_somethin
     assert answer.next_experiment == held.remedy
 
 
+@pytest.mark.slow
 def test_a_law_in_no_catalogue_is_told_in_place_of_descriptions() -> None:
     """The paragraph of an unknown cause; the verdict stays."""
     (log, judge) = hidden_pair(["output_backlash"], seed=710008).logs

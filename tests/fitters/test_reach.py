@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,7 @@ from softid.fitters.reach import FREE_REACH, motion_of, usual_motion
 from softid.identification import fit
 from softid.log import Log
 from softid.models import Oscillator
-from softid.results import FitStatus
+from softid.results import FitResult, FitStatus
 
 Array = npt.NDArray[np.float64]
 
@@ -67,6 +68,12 @@ def test_the_unit_of_an_output_changes_nothing(exponent: float, offset: float) -
         assert other.values[name] * factor == pytest.approx(usual.values[name], rel=1e-6)
 
 
+@cache
+def fit_in_unit(factor: float) -> FitResult:
+    """A fit to the log whose input is given in a unit smaller by the factor."""
+    return fit(integrated(factor=factor), model=Oscillator(order="first", spring="none"))
+
+
 @given(exponent=st.floats(-6.0, 8.0))
 @example(exponent=7.0)
 @settings(max_examples=8, deadline=None)
@@ -76,8 +83,8 @@ def test_the_unit_of_an_input_changes_nothing(exponent: float) -> None:
     To a hundredth of their standard errors: on which side of its tolerance the search ends may
     differ, for the sums are rounded otherwise.
     """
-    factor, model = 10.0**exponent, Oscillator(order="first", spring="none")
-    usual, other = (fit(integrated(factor=f), model=model) for f in (1.0, factor))
+    factor = 10.0**exponent
+    usual, other = fit_in_unit(1.0), fit_in_unit(factor)
     assert usual.status is other.status is FitStatus.CONVERGED
     assert "offset" in usual.free
     for name, stderr in ((p.name, p.stderr) for p in usual.parameters if p.name in usual.free):

@@ -257,6 +257,7 @@ def test_a_dead_output_is_not_held_out() -> None:
         fit(log, model="muscle", hold_out=dead)
 
 
+@pytest.mark.slow
 def test_a_held_out_log_without_motion_is_told_from_one_badly_followed() -> None:
     """Held at one pressure the output is the sensor's noise: a fit of 0 % is no fault of the model.
 

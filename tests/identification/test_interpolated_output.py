@@ -102,6 +102,7 @@ def test_rounded_readings_are_told_from_what_lies_between_them(times: int) -> No
     assert np.mean(np.flatnonzero(between) % times != 0) > 0.95  # a reading may lie on a line
 
 
+@pytest.mark.slow
 def test_a_log_that_was_resampled_is_adequate() -> None:
     """Recorded at 40 Hz and brought to 100 Hz; neighbouring samples share their noise."""
     train, hold_out = hidden_pair([], seed=621, rig=Rig(rate_hz=40.0)).logs

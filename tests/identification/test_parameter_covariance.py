@@ -90,6 +90,7 @@ def test_averages_longer_than_the_motion_know_what_the_samples_know(
     assert max(far for _, far in ratios.values()) > 1.5
 
 
+@pytest.mark.slow
 def test_a_law_that_no_kernel_sums_keeps_its_derivatives(monkeypatch: pytest.MonkeyPatch) -> None:
     """An effect in the motion: the errors are those of all samples, however many they are.
 

@@ -41,6 +41,7 @@ def test_a_log_that_goes_the_other_way_is_told() -> None:
     assert found.issues[0].code == "opposed-signs"
 
 
+@pytest.mark.slow
 def test_logs_of_both_signs_explain_nothing_together() -> None:
     """What one needs the other contradicts; the error names the log that differs."""
     logs = [linear_log(noise=0.01), turned(linear_log(noise=0.01), "turned")]

@@ -20,12 +20,18 @@ START = np.array([3.0, -20.0])
 SIZES = (2, 3, STEPS, STEPS + 1, STEPS + 2, 700)
 
 
+def given(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Not writable, as the arrays of a segment: for others the kernels are compiled once more."""
+    values.setflags(write=False)
+    return values
+
+
 def log(n: int) -> tuple[Array, Array, npt.NDArray[np.int16]]:
     """Irregular times, a rough input in bar, and one to three steps per interval."""
     rng = np.random.default_rng(n)
     time_s = np.cumsum(rng.uniform(0.002, 0.006, n))
     u = 1.0 + np.cumsum(rng.normal(0.0, 0.05, n)) + np.where(time_s > 0.5, 0.8, 0.0)
-    return time_s, u, rng.integers(1, 4, n - 1).astype(np.int16)
+    return given(time_s), given(u), rng.integers(1, 4, n - 1).astype(np.int16)
 
 
 def parts(law: int, theta: Array, u: Array) -> tuple[Array, ...]:
@@ -142,35 +148,35 @@ def test_products_are_those_of_the_columns(rule: int, n: int) -> None:
     """Σ cᵢcⱼ over the used samples, against the kept and the separately computed columns: 1e-12."""
     time_s, u, counts = log(n)
     rng = np.random.default_rng(1)
-    y, used = rng.normal(size=n), rng.random(n) < 0.7
+    y, used = given(rng.normal(size=n)), given(rng.random(n) < 0.7)
     x, v, by = np.empty(n), np.empty(n), np.empty((9, n))
     how = (MUSCLE, rule, THETA, time_s, u, counts)
     move_with_derivatives(*how, START, tangent_of_start(), x, v, by)
     columns = np.vstack([by, np.ones(n), y - (-0.05 * x + 0.3)]) * used
-    given = (*how, y, used, -0.05, 0.3)
-    kept, gram = summed(given, 1)
+    run = (*how, y, used, -0.05, 0.3)
+    kept, gram = summed(run, 1)
     np.testing.assert_allclose(kept, columns, rtol=1e-13, atol=1e-13)
     expected = columns @ columns.T
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     assert np.all(np.abs(gram[:11, :11] - expected) <= 1e-12 * scale)
-    _, again = summed(given, 0)
+    _, again = summed(run, 0)
     np.testing.assert_array_equal(gram, again)
     left = np.zeros(n)
-    means, again = summed(given, 7, left)
+    means, again = summed(run, 7, left)
     np.testing.assert_array_equal(left, kept[-1])
     np.testing.assert_array_equal(gram, again)
     whole = np.add.reduceat(kept, np.arange(0, n, 7), axis=1) / 7.0
     np.testing.assert_allclose(means, whole, rtol=1e-12, atol=1e-12)
 
 
-def summed(given: tuple[Any, ...], stretch: int, left: Array | None = None) -> tuple[Array, Array]:
+def summed(run: tuple[Any, ...], stretch: int, left: Array | None = None) -> tuple[Array, Array]:
     """Kept columns and products of a whole log."""
-    n = given[3].size
+    n = run[3].size
     kept = np.zeros((11, -(-n // stretch) if stretch else 0))
     gram = np.empty((12, 12))
     place = (np.zeros(2, np.int64), n, START.copy(), tangent_of_start())
     residual = np.empty(0) if left is None else left
-    sum_products(*given, *place, stretch, kept, -1, residual, gram)
+    sum_products(*run, *place, stretch, kept, -1, residual, gram)
     return kept, gram
 
 
@@ -179,14 +185,14 @@ def test_a_run_goes_on_where_it_ended(rule: int) -> None:
     """Two parts of a log, which share a stretch, sum up to the whole to rounding."""
     n = SIZES[-1]
     time_s, u, counts = log(n)
-    y, used = np.random.default_rng(1).normal(size=n), np.ones(n, bool)
-    given = (MUSCLE, rule, THETA, time_s, u, counts, y, used, -0.05, 0.3)
-    kept, gram = summed(given, 7)
+    y, used = given(np.random.default_rng(1).normal(size=n)), given(np.ones(n, bool))
+    run = (MUSCLE, rule, THETA, time_s, u, counts, y, used, -0.05, 0.3)
+    kept, gram = summed(run, 7)
     parts, total = np.zeros((11, kept.shape[1] + 1)), np.zeros((12, 12))
     at, state, tangent, apart = np.zeros(2, np.int64), START.copy(), tangent_of_start(), -1
     for blocks in (1, n):
         one = np.empty((12, 12))
-        sum_products(*given, at, blocks, state, tangent, 7, parts, apart, np.empty(0), one)
+        sum_products(*run, at, blocks, state, tangent, 7, parts, apart, np.empty(0), one)
         total += one
         if blocks == 1:
             reached, apart = at.copy(), (int(at[0]) + 1) // 7
@@ -195,7 +201,7 @@ def test_a_run_goes_on_where_it_ended(rule: int) -> None:
     scale = np.sqrt(np.diag(gram))
     assert np.all(np.abs(total - gram) <= 1e-12 * np.outer(scale, scale))
     at[:] = 0, STEPS  # the same step, counted from the beginning of the log
-    sum_products(*given, at, 0, state, tangent, 0, np.empty((11, 0)), -1, np.empty(0), one)
+    sum_products(*run, at, 0, state, tangent, 0, np.empty((11, 0)), -1, np.empty(0), one)
     np.testing.assert_array_equal(at, reached)
 
 
@@ -225,7 +231,7 @@ def test_what_overflows_is_not_finite_and_does_not_hang() -> None:
             theta[at] = value
         gram = np.empty((12, 12))
         sum_products(
-            MUSCLE, RK4, theta, time_s, u, counts, u, np.ones(400, bool), 1.0, 0.0,
+            MUSCLE, RK4, theta, time_s, u, counts, u, given(np.ones(400, bool)), 1.0, 0.0,
             np.zeros(2, np.int64), 400, START.copy(), np.zeros((2, 9)),
             0, np.empty((11, 0)), -1, np.empty(0), gram,
         )  # fmt: skip

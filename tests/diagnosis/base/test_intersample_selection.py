@@ -226,6 +226,7 @@ def test_steps_that_were_held_and_partly_lost_are_no_delay(seed: int) -> None:
     assert found.verdict is Verdict.ADEQUATE, found.summary
 
 
+@pytest.mark.slow
 def test_a_sine_that_judges_fitted_steps_tells_how_it_was_held() -> None:
     """Half an interval, which the steps do not show, is no misfit of the sine."""
     samples, fine = 1500, 20

@@ -65,6 +65,7 @@ def test_noise_has_none() -> None:
     assert SPIKES not in {issue.code for issue in found.issues}
 
 
+@pytest.mark.slow
 def test_what_shows_a_delay_is_no_spike() -> None:
     """A lag of 0.1 s behind a delay of 50 ms, by the closed form of its steps: both are recovered.
 

@@ -60,6 +60,7 @@ def test_a_dead_sensor_that_drifts_is_told() -> None:
     assert "a straight line in time explains angle as well as the model does" in told.summary
 
 
+@pytest.mark.slow
 def test_a_sensor_that_is_dead_in_what_is_held_out_is_told() -> None:
     """The fitted log is followed to its noise; in the other one nothing moves."""
     noise = 0.01 * noise_of(0.0, 3)

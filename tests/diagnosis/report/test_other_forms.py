@@ -38,6 +38,7 @@ def test_a_linear_creep_does_not_tell_which_stiffness_is_meant(seed: int) -> Non
     assert rows["N"].verdict == "identified"
 
 
+@pytest.mark.slow
 def test_where_the_stiffness_goes_with_the_pressure_the_logs_tell() -> None:
     """Known truth: a muscle whose material creeps. Nothing is said, and nothing taken back."""
     train, hold_out = hidden_pair(["creep"], seed=3).logs

@@ -10,6 +10,7 @@ from softid.diagnosis_results import Verdict
 from softid.synthesis import hidden_pair
 
 
+@pytest.mark.slow
 def test_a_model_that_needs_no_cause_is_told_in_the_place_of_descriptions() -> None:
     """A muscle, taken for an oscillator: what that misses is no effect of any catalogue."""
     log, judge = hidden_pair([], seed=3).logs

@@ -210,7 +210,9 @@ def test_nothing_is_left_open_where_the_course_is_on_record() -> None:
     assert found.remainder.open_jumps == 0
 
 
-@pytest.mark.parametrize(("delay_s", "misses"), [(0.0, False), (0.03, True)])
+@pytest.mark.parametrize(
+    ("delay_s", "misses"), [(0.0, False), pytest.param(0.03, True, marks=pytest.mark.slow)]
+)
 def test_moments_in_what_is_held_out_are_open_too(delay_s: float, misses: bool) -> None:
     """The fitted valve takes its time, so nothing is open there; that of the judge does not.
 

@@ -100,6 +100,7 @@ def levelling_off(p: float) -> float:
     return 1.8 * float(np.tanh(p / 120.0))
 
 
+@pytest.mark.slow
 def test_a_lag_that_another_model_does_without_is_in_a_tie() -> None:
     """Known truth: a force that levels off, constant inertia, damping and stiffness.
 

@@ -72,6 +72,7 @@ def test_most_causes_are_named_beside_a_slip() -> None:
     assert not any(found.causes for found, is_met in zip(answers, met, strict=True) if not is_met)
 
 
+@pytest.mark.slow
 def test_a_slip_of_the_judge_is_told_too() -> None:
     """Both logs slip, one up and one down: what is held out may not refuse the cause for that."""
     pair = hidden_pair(["coulomb_friction"], seed=2)

@@ -132,12 +132,13 @@ def test_what_explains_as_much_in_the_place_of_a_cause(
     assert link.rivals[1:] == rivals
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "second", "rivals"),
     [
         (("two_time_creep",), "hysteresis", ("second_creep",)),
-        pytest.param(("creep", "hysteresis"), "hysteresis", (), marks=pytest.mark.slow),
-        pytest.param(("creep", "sensor_warmup"), "sensor_warmup", (), marks=pytest.mark.slow),
+        (("creep", "hysteresis"), "hysteresis", ()),
+        (("creep", "sensor_warmup"), "sensor_warmup", ()),
     ],
 )
 def test_a_second_creep_in_the_place_of_a_cause_beside_a_creep(
