@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, Issue
 from softid.fitters.output_error import Optimum, refit_nuisance
 from softid.fitters.problem import Problem
+from softid.identification.dropped_terms import DroppedTerm, deviations_beside
 from softid.identification.estimates import nuisances_of, parameter_estimates, scores
 from softid.identification.issues import fitted_range, issues_of, most_serious_first
 from softid.identification.model_selection import ModelChoice
@@ -38,12 +39,15 @@ class OptimisedProblem:
         Parameters dropped on the way because the logs cannot see them → the reason.
     constraints
         What the user asked for.
+    dropped
+        The fits with what was dropped, from which it follows how well the others are known.
     """
 
     problem: Problem
     optimum: Optimum
     unseen: Mapping[str, str]
     constraints: ParameterConstraints
+    dropped: tuple[DroppedTerm, ...] = ()
 
 
 def assemble(
@@ -87,6 +91,7 @@ def assemble(
         )
     errors = errors_of(problem, optimum)
     if errors.covariance is not None:
+        least_sd = deviations_beside(found.dropped, least_sd)
         errors = replace(errors, covariance=widened(errors.covariance, least_sd))
     estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.constraints)
     values = {e.name: e.value for e in estimates}

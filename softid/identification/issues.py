@@ -177,7 +177,10 @@ def issues_of(
             found.append(issue)
     for e in estimates:
         if e.name in unseen:
-            message = f"{e.name} cannot be seen: {e.reason}; the fit continues without it"
+            message = (
+                f"{e.name} cannot be seen: {e.reason}; the fit continues without it, and the "
+                "errors of the others allow for it"
+            )
             found.append(Issue("not-seen", "warning", message, e.remedy or None, e.name))
         elif (unknown := estimate_issue(e)) is not None:
             found.append(unknown)

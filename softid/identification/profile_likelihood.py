@@ -30,7 +30,8 @@ def profile_parameter(result: FitResult, logs: Log | Sequence[Log], name: str) -
     """Refit all other parameters along one of them and find where the cost rises to 95 %.
 
     Unlike the interval from the covariance, the profile follows a valley that bends, and says so
-    when the logs do not bound the parameter on a side.
+    when the logs do not bound the parameter on a side. A term that the fit went on without is none
+    in the profile, too, while the interval from the covariance allows for one.
 
     Parameters
     ----------

@@ -8,12 +8,14 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.given_values import require_whole
 from softid.identification.assembly import OptimisedProblem, assemble
+from softid.identification.dropped_terms import DroppedTerm, dropped_term
 from softid.identification.input_treatment import taken_as_fitted
 from softid.identification.intersample_choice import (
     BETTER_BY,
@@ -54,6 +56,7 @@ from softid.results import FitResult
 if TYPE_CHECKING:
     import lmfit
 
+Array = npt.NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
 
@@ -325,10 +328,17 @@ def _identify(
     input_range = fitted_range(logs)[logs.input]
     longest_s = max(float(np.ptp(log.time_s)) for log in logs)
     unseen: dict[str, str] = {}
+    terms: list[DroppedTerm] = []
     while np.isfinite(optimum.cost):
         theta = problem.theta(optimum.unknowns)
         values = dict(zip(problem.parameters.names, theta.tolist(), strict=True))
-        simpler = problem.model.limit(theta, period_s, input_range, longest_s)
+        limit_at = partial(
+            problem.model.limit,
+            period_s=period_s,
+            input_range=input_range,
+            longest_s=longest_s,
+        )
+        simpler = limit_at(theta)
         if simpler is None:
             break
         limit, reason = simpler
@@ -342,8 +352,18 @@ def _identify(
         if without.size < problem.size and optimum.cost < SEEN * found.cost:
             break
         unseen |= dict.fromkeys(dropped, reason)
+        is_seen = partial(_is_seen, limit_at, limit)
+        terms.append(dropped_term(problem, optimum, dropped, is_seen))
         problem, optimum = without, found
-    return OptimisedProblem(problem, optimum, unseen, constraints)
+    return OptimisedProblem(problem, optimum, unseen, constraints, tuple(terms))
+
+
+def _is_seen(
+    limit_at: Callable[[Array], tuple[Model, str] | None], limit: Model, theta: Array
+) -> bool:
+    """Whether these parameters need more than a limit of the model."""
+    found = limit_at(theta)
+    return found is None or found[0] != limit
 
 
 def _require_samples(problem: Problem, logs: LogSet, *, chosen: bool) -> None:

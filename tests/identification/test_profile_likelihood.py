@@ -15,6 +15,7 @@ from softid.fitters.problem import Problem
 from softid.identification import fit
 from softid.identification.profile_likelihood import ProfileRefits, Starts, profile_parameter
 from softid.log import Log
+from softid.models import Oscillator
 from softid.readers import load
 
 
@@ -39,7 +40,7 @@ def first_order_log(hold_s: float, *, seed: int = 3) -> Log:
 def test_an_identified_parameter_has_the_interval_of_the_covariance() -> None:
     """A nearly linear problem: both intervals agree to a few per cent of their width."""
     log = first_order_log(2.0)
-    result = fit(log, model="oscillator")
+    result = fit(log, model=Oscillator(order="first"))
     estimate = result.parameter("Q")
     found = profile_parameter(result, log, "Q")
     assert estimate.ci95 is not None

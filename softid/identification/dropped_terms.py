@@ -1,0 +1,99 @@
+"""What a term that no sample shows leaves unknown of the other parameters.
+
+A fit goes on without an inertia that dies out between two samples. That does not say that there is
+none: a slow sine follows Q − Mω² and knows neither apart, and Q is off by Mω² if the inertia is
+more than nothing. So the others are as well known as they are with the term, not as without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.output_error import Optimum
+from softid.fitters.problem import Problem
+from softid.identification.parameter_covariance import errors_of
+
+Array = npt.NDArray[np.float64]
+
+RISE = 2.0
+"""Factor by which a dropped parameter is raised at a time until it would be seen."""
+
+MOST_RISES = 100
+"""Times that it is raised at most: 30 orders of magnitude."""
+
+
+@dataclass(frozen=True, eq=False)
+class DroppedTerm:
+    """A fit with a term that was left out afterwards.
+
+    Attributes
+    ----------
+    problem, optimum
+        The fit, the term as large as it may be without being seen.
+    """
+
+    problem: Problem
+    optimum: Optimum
+
+    def deviations(self) -> dict[str, float]:
+        """Unknown → its standard deviation beside the term, in internal coordinates.
+
+        In a linear model it is the same however large the term is, so that it may be as large as it
+        goes unseen: where a search ends at 1e-9 the derivatives by the logarithm vanish.
+        """
+        covariance = errors_of(self.problem, self.optimum).covariance
+        if covariance is None:
+            return {}
+        pairs = zip(covariance.names, covariance.sd, strict=True)
+        return {name: sd for name, sd in pairs if sd is not None and np.isfinite(sd)}
+
+
+def dropped_term(
+    problem: Problem, optimum: Optimum, names: Collection[str], is_seen: Callable[[Array], bool]
+) -> DroppedTerm:
+    """The fit before a term was left out, with that term as large as it may be unseen.
+
+    Parameters
+    ----------
+    problem, optimum
+        The fit with the term.
+    names
+        Its parameters; those of a linear scale stay as they are.
+    is_seen
+        Whether the samples would show it, from the parameters θ, shape (K,).
+    """
+    free = problem.free
+    raised = np.array([n in names and problem.parameters[n].scale == "log" for n in free])
+    step = np.zeros(optimum.unknowns.size)
+    step[: len(free)] = np.log(RISE) * raised
+    z = optimum.unknowns
+    for _ in range(MOST_RISES):
+        if not step.any() or is_seen(problem.theta(z + step)):
+            break
+        z = z + step
+    at_bound = optimum.at_bound.copy()
+    at_bound[: len(free)] &= ~raised
+    return DroppedTerm(problem, replace(optimum, unknowns=z, at_bound=at_bound, linearised=None))
+
+
+def deviations_beside(
+    terms: Collection[DroppedTerm], least_sd: Mapping[str, float]
+) -> dict[str, float]:
+    """The larger of given deviations and those beside every term that was left out.
+
+    Parameters
+    ----------
+    terms
+        What was left out, in any order.
+    least_sd
+        Unknown → deviation in internal coordinates.
+    """
+    found = dict(least_sd)
+    for term in terms:
+        for name, sd in term.deviations().items():
+            found[name] = max(sd, found.get(name, 0.0))
+    return found
