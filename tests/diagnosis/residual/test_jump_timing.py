@@ -227,7 +227,7 @@ def test_moments_in_what_is_held_out_are_open_too(delay_s: float, misses: bool) 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("delay_s", [0.05, pytest.param(0.12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("delay_s", [0.05, 0.12])
 def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
     """One of two intervals and a half, in every jump alike, is no matter of their moments."""
     found = diagnosed(delay_s=delay_s)

@@ -49,13 +49,8 @@ def test_what_lies_on_no_grid_has_none() -> None:
     assert rounding_floor(at_truth(linear_log(noise=0.01))) is None
 
 
-@pytest.mark.parametrize(
-    ("names", "verdict"),
-    [
-        pytest.param([], Verdict.ADEQUATE, marks=pytest.mark.slow),
-        pytest.param(["creep"], Verdict.NAMED, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("names", "verdict"), [([], Verdict.ADEQUATE), (["creep"], Verdict.NAMED)])
 def test_steps_of_a_fiftieth_of_the_range(names: list[str], verdict: Verdict) -> None:
     """Nothing but rounding is left of the clean log, and of the other what creeps is found."""
     rig = Rig(noise=0.0, pressure_noise_kpa=0.0, quantum=0.02)

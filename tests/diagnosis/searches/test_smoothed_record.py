@@ -34,12 +34,13 @@ def filtered(log: Log, smooth: Callable[[Array], Array]) -> Log:
     return Log.from_arrays(log.time_s, channels, outputs=(name,), units=units, name=log.name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "smooth"),
     [
-        pytest.param(7, there_and_back(6.0, 4), marks=pytest.mark.slow),
-        pytest.param(8, lambda y: savgol_filter(y, 21, 3), marks=pytest.mark.slow),
-        pytest.param(9, there_and_back(6.0, 4), marks=pytest.mark.slow),
+        (7, there_and_back(6.0, 4)),
+        (8, lambda y: savgol_filter(y, 21, 3)),
+        (9, there_and_back(6.0, 4)),
     ],
 )
 def test_a_filter_that_moves_the_prediction_is_named(
