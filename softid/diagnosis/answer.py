@@ -23,7 +23,7 @@ from softid.diagnosis.report.other_forms import with_other_forms
 from softid.diagnosis.report.several_elements import with_several_elements
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
-from softid.diagnosis.residual.input_noise import moved_parameters, unknown_input
+from softid.diagnosis.residual.input_noise import moved_parameters, unknown_input, unsure_parameters
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.noise_model import noise_with_moments, refined_under
@@ -56,6 +56,7 @@ from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.workflow import Identification
 from softid.parallel import both
 from softid.results import FitResult
+from softid.uncertainty import larger_of
 
 Array = npt.NDArray[np.float64]
 
@@ -261,7 +262,8 @@ def _unsure_of(
     """Draws of what is not known of the input, and how far that moves each parameter."""
     is_open = noise is not None
     unsure = unknown_input(final, base.gauges, remainder.noise_power, moments_are_open=is_open)
-    return unsure, moved_parameters(final, unsure, remainder.noise_power, noise)
+    moved = moved_parameters(final, unsure, remainder.noise_power, noise)
+    return unsure, larger_of(moved, unsure_parameters(final, base.gauges, base.sigma))
 
 
 def _issues_of_rest(case: _Case, fit: FitResult) -> tuple[Issue, ...]:

@@ -129,8 +129,8 @@ def linearise(
     z: Array,
     sigma: Mapping[str, float],
     *,
-    plans: Sequence[Division | None] | None,
-    keep: Keep,
+    plans: Sequence[Division | None] | None = None,
+    keep: Keep = NO_COLUMNS,
 ) -> Linearised:
     """Cost ½Σ(r/σ)² and its normal equations with every sensor zero moved to its optimum.
 

@@ -13,8 +13,18 @@ from softid.errors import IdentificationError, Issue
 from softid.fitters.output_error import Optimum, refit_nuisance
 from softid.fitters.problem import Problem
 from softid.identification.dropped_terms import DroppedTerm, deviations_beside
+from softid.identification.errors_in_variables import (
+    NO_INPUT_ERRORS,
+    InputErrors,
+    with_input_errors,
+)
 from softid.identification.estimates import nuisances_of, parameter_estimates, scores
-from softid.identification.issues import fitted_range, issues_of, most_serious_first
+from softid.identification.issues import (
+    fitted_range,
+    issues_of,
+    most_serious_first,
+    noisy_input_issues,
+)
 from softid.identification.model_selection import ModelChoice
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import errors_of, free_covariance
@@ -57,6 +67,7 @@ def assemble(
     *,
     choice: ModelChoice | None,
     seed: int,
+    input_errors: InputErrors = NO_INPUT_ERRORS,
     least_sd: Mapping[str, float] = MappingProxyType({}),
 ) -> FitResult:
     """Errors, verdicts, scores and issues around an optimum.
@@ -71,6 +82,8 @@ def assemble(
         How the model was chosen, if softid chose it.
     seed
         For the record.
+    input_errors
+        Those of the fitted logs.
     least_sd
         Parameter → least standard deviation in internal coordinates, from what the residuals do not
         show of its error.
@@ -82,17 +95,14 @@ def assemble(
     """
     problem, optimum = found.problem, found.optimum
     model = problem.model
-    if not np.isfinite(optimum.cost):
-        raise IdentificationError(
-            optimum.status.value,
-            where=", ".join(log.name for log in logs),
-            remedy="check the units, fix or bound a parameter, or choose another --model (model= "
-            "in Python)",
-        )
+    _require_finite(optimum, logs)
     errors = errors_of(problem, optimum)
+    noisy: list[Issue] = []
     if errors.covariance is not None:
-        least_sd = deviations_beside(found.dropped, least_sd)
-        errors = replace(errors, covariance=widened(errors.covariance, least_sd))
+        wider = with_input_errors(errors.covariance, problem, optimum, input_errors)
+        noisy = noisy_input_issues(logs, errors.covariance, wider, model.parameters().names)
+        least_sd = deviations_beside(found.dropped, least_sd, input_errors)
+        errors = replace(errors, covariance=widened(wider, least_sd))
     estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.constraints)
     values = {e.name: e.value for e in estimates}
     nuisances = nuisances_of(problem, optimum, errors)
@@ -106,6 +116,7 @@ def assemble(
     ranges = fitted_range(logs)
     issues = [issue for log in (*logs, *held) for issue in log.issues]
     issues += issues_of(estimates, errors, found.unseen, ranges, held, statistics)
+    issues += noisy
     issues += model.cautions(values, names, covariance)
     if not optimum.status.success:
         issues.insert(0, Issue("not-converged", "error", optimum.status.value))
@@ -138,6 +149,16 @@ def assemble(
             model, values, ranges[logs.input], estimates, names, covariance
         ),
     )
+
+
+def _require_finite(optimum: Optimum, logs: LogSet) -> None:
+    if not np.isfinite(optimum.cost):
+        raise IdentificationError(
+            optimum.status.value,
+            where=", ".join(log.name for log in logs),
+            remedy="check the units, fix or bound a parameter, or choose another --model (model= "
+            "in Python)",
+        )
 
 
 def _derived_errors(

@@ -15,7 +15,9 @@ import numpy.typing as npt
 
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
+from softid.identification.errors_in_variables import InputErrors, with_input_errors
 from softid.identification.parameter_covariance import errors_of
+from softid.uncertainty import larger_of
 
 Array = npt.NDArray[np.float64]
 
@@ -39,15 +41,22 @@ class DroppedTerm:
     problem: Problem
     optimum: Optimum
 
-    def deviations(self) -> dict[str, float]:
+    def deviations(self, input_errors: InputErrors) -> dict[str, float]:
         """Unknown → its standard deviation beside the term, in internal coordinates.
 
         In a linear model it is the same however large the term is, so that it may be as large as it
         goes unseen: where a search ends at 1e-9 the derivatives by the logarithm vanish.
+
+        Parameters
+        ----------
+        input_errors
+            Those of the logs.
         """
-        covariance = errors_of(self.problem, self.optimum).covariance
+        problem, optimum = self.problem, self.optimum
+        covariance = errors_of(problem, optimum).covariance
         if covariance is None:
             return {}
+        covariance = with_input_errors(covariance, problem, optimum, input_errors)
         pairs = zip(covariance.names, covariance.sd, strict=True)
         return {name: sd for name, sd in pairs if sd is not None and np.isfinite(sd)}
 
@@ -81,7 +90,7 @@ def dropped_term(
 
 
 def deviations_beside(
-    terms: Collection[DroppedTerm], least_sd: Mapping[str, float]
+    terms: Collection[DroppedTerm], least_sd: Mapping[str, float], input_errors: InputErrors
 ) -> dict[str, float]:
     """The larger of given deviations and those beside every term that was left out.
 
@@ -91,9 +100,7 @@ def deviations_beside(
         What was left out, in any order.
     least_sd
         Unknown → deviation in internal coordinates.
+    input_errors
+        Those of the logs.
     """
-    found = dict(least_sd)
-    for term in terms:
-        for name, sd in term.deviations().items():
-            found[name] = max(sd, found.get(name, 0.0))
-    return found
+    return larger_of(least_sd, *(term.deviations(input_errors) for term in terms))

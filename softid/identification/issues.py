@@ -8,9 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue, Severity
+from softid.identification.input_denoising import input_noise_sd
 from softid.identification.parameter_covariance import Errors
 from softid.log import Log, LogSet
 from softid.results import FitResult, FitStatistics, ParameterEstimate
+from softid.uncertainty import Covariance
 from softid.uncertainty.incomplete_beta import r_squared_tail
 
 Array = npt.NDArray[np.float64]
@@ -41,6 +43,9 @@ BY_CHANCE = 1e-3
 is nothing, too. Models that bend search for what they explain: of 280 logs of white noise, of 20
 and 100 readings, oscillator and muscle pass with 4, all of 100 readings; noise that remembers
 passes more often."""
+
+CLEARLY_WIDER = 1.5
+"""Factor by which noise of the input widens an interval before the user is told."""
 
 SERIOUS_FIRST: tuple[Severity, ...] = ("error", "warning", "info")
 """In which order issues are told."""
@@ -198,6 +203,39 @@ def issues_of(
         if not noise.white
     ]
     return found
+
+
+def noisy_input_issues(
+    logs: LogSet, told: Covariance, allowing: Covariance, names: Sequence[str]
+) -> list[Issue]:
+    """That noise of the input widens intervals, as far as it clearly does.
+
+    Parameters
+    ----------
+    logs
+        The fitted logs.
+    told, allowing
+        What the residuals tell of the errors, and what allows for the noise, of the same unknowns.
+    names
+        The parameters of the model.
+    """
+    sds = zip(told.names, told.sd, allowing.sd, strict=True)
+    wider = [n for n, sd, wide in sds if n in names and sd and wide and wide > CLEARLY_WIDER * sd]
+    if not wider:
+        return []
+    log = max(logs, key=lambda log: input_noise_sd(log.as_recorded))
+    channel, sd = log.channels[log.input], input_noise_sd(log.as_recorded)
+    whose = ", ".join(wider)
+    return [
+        Issue(
+            "noisy-input",
+            "info",
+            f"the noise of {log.input}, {sd * channel.display_factor:.2g} {channel.display_unit}, "
+            f"moves the simulation but not the actuator, which tells on {whose}; "
+            f"{'their intervals allow' if len(wider) > 1 else 'its interval allows'} for that",
+            f"record {log.input} with less noise, or move the actuator faster and farther",
+        )
+    ]
 
 
 def most_serious_first(issues: Iterable[Issue]) -> tuple[Issue, ...]:

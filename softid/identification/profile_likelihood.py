@@ -11,6 +11,7 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
+from softid.identification.errors_in_variables import InputErrors, with_input_errors
 from softid.identification.parameter_covariance import errors_of
 from softid.identification.refitting import refitted
 from softid.log import Log
@@ -30,8 +31,9 @@ def profile_parameter(result: FitResult, logs: Log | Sequence[Log], name: str) -
     """Refit all other parameters along one of them and find where the cost rises to 95 %.
 
     Unlike the interval from the covariance, the profile follows a valley that bends, and says so
-    when the logs do not bound the parameter on a side. A term that the fit went on without is none
-    in the profile, too, while the interval from the covariance allows for one.
+    when the logs do not bound the parameter on a side. It allows for noise of the input by as much
+    as that interval does. A term that the fit went on without is none in the profile, too, while
+    the interval from the covariance allows for one.
 
     Parameters
     ----------
@@ -74,6 +76,9 @@ def profile_parameter(result: FitResult, logs: Log | Sequence[Log], name: str) -
             remedy=f"choose from {', '.join(parameters.free)}",
         )
     covariance = errors_of(problem, optimum).covariance
+    if covariance is not None:
+        errors = InputErrors.as_recorded(problem.logs)
+        covariance = with_input_errors(covariance, problem, optimum, errors)
     row = covariance.names.index(name) if covariance and name in covariance.names else None
     if covariance is None or row is None or covariance.sd[row] is None:
         raise IdentificationError(

@@ -16,6 +16,7 @@ from softid.fitters.problem import Problem
 from softid.given_values import require_whole
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.dropped_terms import DroppedTerm, dropped_term
+from softid.identification.errors_in_variables import InputErrors
 from softid.identification.input_treatment import taken_as_fitted
 from softid.identification.intersample_choice import (
     BETTER_BY,
@@ -142,7 +143,12 @@ def fit(
     if progress is not None:
         progress("computing errors", 0.95)
     found = assemble(
-        identified.found, identified.logs, identified.hold_out, choice=identified.choice, seed=seed
+        identified.found,
+        identified.logs,
+        identified.hold_out,
+        choice=identified.choice,
+        seed=seed,
+        input_errors=InputErrors.as_recorded(identified.logs),
     )
     signs = opposed(identified.logs, identified.hold_out)
     require_explained(found, identified.logs, signs)

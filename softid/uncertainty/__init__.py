@@ -34,7 +34,7 @@ from softid.uncertainty.noise import effective_n, noise_model
 from softid.uncertainty.profile import ProfileResult, profile
 from softid.uncertainty.propagation import propagated_errors
 from softid.uncertainty.rounding import Rounding
-from softid.uncertainty.widening import widened
+from softid.uncertainty.widening import larger_of, widened
 
 __all__ = [
     "CI_METHOD",
@@ -54,6 +54,7 @@ __all__ = [
     "fit_ar",
     "judge",
     "known_better",
+    "larger_of",
     "log_likelihood",
     "noise_model",
     "profile",

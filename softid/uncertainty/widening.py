@@ -35,3 +35,23 @@ def widened(covariance: Covariance, least_sd: Mapping[str, float]) -> Covariance
         inflation=covariance.inflation * factors**2,
         cost_per_variance=covariance.cost_per_variance * factors**2,
     )
+
+
+def larger_of(*deviations: Mapping[str, float]) -> dict[str, float]:
+    """The largest deviation of each name among several.
+
+    Parameters
+    ----------
+    deviations
+        Name → deviation, each of some of the names.
+
+    Examples
+    --------
+    >>> larger_of({"Q": 0.1, "N": 0.3}, {"Q": 0.2})
+    {'Q': 0.2, 'N': 0.3}
+    """
+    found: dict[str, float] = {}
+    for given in deviations:
+        for name, sd in given.items():
+            found[name] = max(sd, found.get(name, 0.0))
+    return found

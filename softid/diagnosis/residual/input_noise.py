@@ -9,7 +9,7 @@ the input did between its samples where it was quick beside them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
@@ -17,14 +17,17 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, prior_sd
+from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.refit.whitening import Whitener
 from softid.diagnosis.residual.input_course import moved_by_courses
 from softid.diagnosis.residual.jump_timing import part_of_jumps
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
+from softid.identification.errors_in_variables import InputErrors, with_input_errors
 from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
 from softid.identification.input_denoising import without_input_noise
+from softid.identification.parameter_covariance import errors_of
 from softid.log import Log
 from softid.parallel import in_parallel
 
@@ -187,6 +190,50 @@ def moved_parameters(
     return dict(zip(free, np.sqrt(np.mean(moved**2, axis=1)).tolist(), strict=False))
 
 
+def left_input_errors(logs: Iterable[Log], gauges: Mapping[str, GaugeErrors]) -> InputErrors:
+    """What averaging leaves of the noise of each log's input, and what rounding hides of it.
+
+    Parameters
+    ----------
+    logs
+        Logs whose input was averaged.
+    gauges
+        As in `input_noise`.
+    """
+    recorded = [log.as_recorded for log in logs]
+    shifts = [_left_of(log, gauges.get(log.name, NO_ERRORS)) for log in recorded]
+    return InputErrors([log.time_s for log in recorded], shifts, is_averaged=True)
+
+
+def unsure_parameters(
+    model: Candidate, gauges: Mapping[str, GaugeErrors], sigma: Mapping[str, float]
+) -> dict[str, float]:
+    """Standard deviations of the free parameters that noise of the input makes larger.
+
+    As `with_input_errors` has them, but none larger than the factor of 4.5 to which a prior knows
+    it.
+
+    Parameters
+    ----------
+    model, gauges
+        As in `input_noise`.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    problem, optimum = model.problem, optimum_of(model, sigma)
+    told = errors_of(problem, optimum).covariance
+    if told is None:
+        return {}
+    errors = left_input_errors(problem.logs, gauges)
+    wider, found = with_input_errors(told, problem, optimum, errors), {}
+    for k, name in enumerate(problem.free):
+        row = told.names.index(name) if name in told.names else None
+        sd, wide = (None, None) if row is None else (told.sd[row], wider.sd[row])
+        if sd is not None and wide is not None and wide > sd:
+            found[name] = min(wide, max(sd, prior_sd(model, k)))
+    return found
+
+
 def _shrunk(model: Candidate, columns: Array, noise: Whitener) -> Array:
     """Columns at the used samples of the first output, with what unknown numbers move shrunk."""
     own = [row for row in rows_of(model) if row.channel == model.problem.outputs[0]]
@@ -257,20 +304,15 @@ def _of_noise(model: Candidate, gauges: Mapping[str, GaugeErrors]) -> Array:
     Of shape (1, 1) without any.
     """
     problem, first = model.problem, model.problem.outputs[0]
-    shifts = [_left_of(log.as_recorded, gauges.get(log.name, NO_ERRORS)) for log in problem.logs]
-    if not any(shift.any() for shift in shifts):
+    errors = left_input_errors(problem.logs, gauges)
+    if not errors.are_there:
         return np.zeros((1, 1))
     still = [simulated(model, k, segment) for k, segment in enumerate(problem.segments)]
 
     def moved(draw: int) -> Array:
-        moves = []
-        for k, (segment, before) in enumerate(zip(problem.segments, still, strict=True)):
-            log = problem.owner[k]
-            recorded_s = problem.logs[log].as_recorded.time_s
-            shift = 0.0
-            if shifts[log].any():
-                shift = np.interp(segment.time_s, recorded_s, shifts[log][draw])
-            change = simulated(model, k, replace(segment, input=segment.input + shift)) - before
+        moves, stirred = [], errors.added(problem, draw, 1.0)
+        for k, (segment, before) in enumerate(zip(stirred, still, strict=True)):
+            change = simulated(model, k, segment) - before
             moves.append(change[segment.samples_of(segment.used[first])])
         return np.concatenate(moves)
 

@@ -14,12 +14,13 @@ from softid.diagnosis.refit.candidates import Candidate, prior_sd
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, fitted_range, mean_power
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import held_out_share
-from softid.diagnosis.residual.input_noise import input_noise
+from softid.diagnosis.residual.input_noise import input_noise, left_input_errors
 from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
 from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_floor import EXCESS_SDS, fastest_part
 from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis_results import Gain, Remainder
+from softid.identification.errors_in_variables import with_input_errors
 from softid.identification.intersample_choice import choice_unless_held
 from softid.identification.parameter_covariance import errors_of
 
@@ -147,7 +148,7 @@ def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, fl
     tr(J C Jᵀ)/m with the derivatives J of m held-out samples by the free parameters and
     C = (V⁻¹ + P⁻¹)⁻¹ from their covariance V under coloured residuals and the P of a prior that
     knows each to a factor of 4.5: what the fitted logs do not hold has no limit else, and a line is
-    no law so far away. A parameter at its bound is known.
+    no law so far away. V allows for noise of the fitted inputs. A parameter at its bound is known.
 
     Parameters
     ----------
@@ -164,14 +165,16 @@ def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, fl
     slopes = held_out.slopes(model)
     if not (slopes.size and slopes.any() and np.isfinite(slopes).all()):
         return 0.0
-    problem = model.problem
-    errors = errors_of(problem, optimum_of(model, sigma))
+    problem, optimum = model.problem, optimum_of(model, sigma)
+    errors = errors_of(problem, optimum)
     free = [(row, k) for row, k in enumerate(errors.determined) if k < len(problem.free)]
     if errors.covariance is None or not free:
         return 0.0
+    of_input = left_input_errors(problem.logs, held_out.gauges)
+    covariance = with_input_errors(errors.covariance, problem, optimum, of_input)
     rows, places = np.array(free).T
     limits = np.array([prior_sd(model, int(k)) for k in places])
-    scaled = errors.covariance.matrix[np.ix_(rows, rows)] / np.outer(limits, limits)
+    scaled = covariance.matrix[np.ix_(rows, rows)] / np.outer(limits, limits)
     held = np.flatnonzero(np.isfinite(np.diag(scaled)))
     variances, axes = np.linalg.eigh(scaled[np.ix_(held, held)])
     variances = np.maximum(variances, 0.0)
