@@ -17,6 +17,7 @@ from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.fitted_together import explained_by_held_out
 from softid.diagnosis.searches.over_plainer_models import ModelSearch, OtherModel, PlainerModels
 from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.smoothed_record import smoothed_alone
@@ -63,6 +64,9 @@ def best_answer(
     alone = search.explained_by_moments()
     if alone is not None:
         return _answer(alone, search)
+    together = explained_by_held_out(recordings, request, search)
+    if together is not None:
+        return _with_issues(_answer(together[0], search), together[1:])
     best = _over_best_model(recordings, request, search, others, is_in_doubt=is_in_doubt)
     if best[0].verdict is not Verdict.UNKNOWN:
         return best

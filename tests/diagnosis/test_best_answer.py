@@ -61,6 +61,7 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
         is_chosen=lambda base: False,
         richer_than=lambda base: [chosen],
     )
+    monkeypatch.setattr(module, "explained_by_held_out", lambda *args: None)
     monkeypatch.setattr(module, "PlainerModels", lambda *args: models)
     monkeypatch.setattr(module, "_over_this_or_plainer", lambda *args: (plain, base, None))
     monkeypatch.setattr(module, "_surest_answer", lambda *args: (rich, base, None))

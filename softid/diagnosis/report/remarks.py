@@ -27,6 +27,7 @@ from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES, SPECTRAL_LINE
+from softid.diagnosis.searches.fitted_together import TOLD_TOGETHER
 from softid.diagnosis.searches.smoothed_record import SMOOTHED_RECORD
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.quality.causality import LEADING_OUTPUT
@@ -40,9 +41,9 @@ ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
 MARKS = (*CODES, LIKE_UNLISTED_LAW, *OF_REST, CLIPPED_INPUT, *OF_RECORDED_INPUT)
 """Codes of remarks on what is left, which say what it is or may be."""
 
-INSTEAD = (NEGLIGIBLE_MISFIT, SMOOTHED_RECORD)
+INSTEAD = (NEGLIGIBLE_MISFIT, SMOOTHED_RECORD, TOLD_TOGETHER)
 """Codes of remarks that stand for what is said of noise: a misfit is too small to be looked into,
-or the record was smoothed."""
+the record was smoothed, or only what is held out tells the parameters."""
 
 LEAVE_A_SET = ("creep", "relaxation", "hysteresis", "softening", "sensor_warmup")
 """Effects after which a motion does not return to where it began, or not soon."""

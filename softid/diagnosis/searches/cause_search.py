@@ -94,15 +94,15 @@ class CauseSearch:
         a curve with free values is believed.
         """
         if self.base.is_negligible:
-            return self._nothing
+            return self.nothing
         if self._is_astray:
-            return self.grow(self._nothing, max_links=1, extra=self.multistart)
+            return self.grow(self.nothing, max_links=1, extra=self.multistart)
         chain = self._first_where_base_stands
         return self._raced_with_multistart(chain, NEAR_CURVE) if chain.bends else chain
 
     @cached_property
     def _first_where_base_stands(self) -> Chain:
-        return self.grow(self._nothing, max_links=1)
+        return self.grow(self.nothing, max_links=1)
 
     def grow(
         self,
@@ -172,7 +172,7 @@ class CauseSearch:
         """
         if self.base.is_negligible:
             left = self.remainder_of(self.base.candidate)
-            return SearchResult(self._nothing, replace(left, structured=False), ())
+            return SearchResult(self.nothing, replace(left, structured=False), ())
         known = chain = first or self.first_cause()
         if self._may_stand_for_another(known) and self._share_of(known) < HALF:
             chain = self._raced_with_multistart(known, BETTER_START)
@@ -209,7 +209,7 @@ class CauseSearch:
     def _first_from_multistart(self) -> Chain:
         known = self._first_where_base_stands
         raced = known.links[0] if known.links else known.last
-        return self.grow(self._nothing, max_links=1, extra=self.multistart, raced=raced)
+        return self.grow(self.nothing, max_links=1, extra=self.multistart, raced=raced)
 
     @cached_property
     def _found_from_multistart(self) -> SearchResult:
@@ -278,7 +278,7 @@ class CauseSearch:
             base, held_out = self.base, self.base.held_out
             before = held_out.rms(base.candidate)
             left = with_held_out(left, before, base.candidate, held_out, base.sigma)
-        return None if left.misses_held_out else SearchResult(self._nothing, left, ())
+        return None if left.misses_held_out else SearchResult(self.nothing, left, ())
 
     def alone_beside(self, described: Sequence[Cause], left: Remainder) -> SearchResult | None:
         """The base alone, if there may be nothing in the actuator behind descriptions.
@@ -300,7 +300,7 @@ class CauseSearch:
         if not is_within_samples(described, left):
             return None
         left = replace(left, rms=self.remainder_of(self.base.candidate).rms, explained_share=1.0)
-        return SearchResult(self._nothing, left, ())
+        return SearchResult(self.nothing, left, ())
 
     def explained_by_moments(self) -> SearchResult | None:
         """The base alone, if nothing but the moments of jumps of the input is unknown.
@@ -311,7 +311,8 @@ class CauseSearch:
         return self.without_causes() if left.open_jumps and left.open_jumps_scatter else None
 
     @property
-    def _nothing(self) -> Chain:
+    def nothing(self) -> Chain:
+        """The base without causes."""
         return Chain((), None, self.base.candidate)
 
     def _raced_with_multistart(self, chain: Chain, share: float) -> Chain:
@@ -319,7 +320,7 @@ class CauseSearch:
         least = min((c.squares for c in self.multistart), default=np.inf)
         if least > share * chain.final.squares:
             return chain
-        return self.grow(self._nothing, max_links=1, extra=self.multistart, raced=chain.links[0])
+        return self.grow(self.nothing, max_links=1, extra=self.multistart, raced=chain.links[0])
 
     def _may_stand_for_another(self, chain: Chain) -> bool:
         """Whether a single cause leaves structure, and was not raced with a multistart."""
