@@ -12,8 +12,9 @@ on the average to JᵀJ and to the gradient Jᵀr, the recorded noise has done t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -30,16 +31,16 @@ from softid.uncertainty import Covariance
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-PAIRS = 2
-"""Draws of the noise, each of which is added and taken away: what is odd in it goes. Two differ by
-a hundredth in a log of a thousand samples."""
+PAIRS = 3
+"""Draws of the noise, each of which is added and taken away: what is odd in it goes. Three tell how
+much they differ, to a factor."""
 
 MOST_NOISE = 1.0 - 1e-4
 """Share of what is known in a direction that noise may make: rounding and few draws may find more
 than there is."""
 
 NEGLIGIBLE = 0.05
-"""Share by which a standard error may grow before a second pair is drawn, and all of it counts."""
+"""Share by which a standard error may grow before more than one pair is drawn and it counts."""
 
 FARTHEST = 1.5
 """Farthest that the noise is said to have moved the logarithm of a parameter, a factor of 4.5:
@@ -62,15 +63,15 @@ class InputErrors:
     ----------
     time_s
         When each input was read, shape (n,) each.
-    draws
-        One in each row for each log, in the unit of the input, shape (D, n) with D ≥ `PAIRS`; of
-        shape (1, 1) where there is no error.
+    drawn
+        For each log its draws in the unit of the input by their number, at least `PAIRS` of shape
+        (n,) each; None where there is no error.
     is_averaged
         Whether noise was averaged away before the fit.
     """
 
     time_s: Sequence[Array]
-    draws: Sequence[Array]
+    drawn: Sequence[Callable[[int], Array] | None]
     is_averaged: bool
 
     @classmethod
@@ -82,33 +83,47 @@ class InputErrors:
         logs
             Logs whose input was not averaged.
         """
-        times, draws = [], []
+        times: list[Array] = []
+        drawn: list[Callable[[int], Array] | None] = []
         for k, log in enumerate(logs):
-            sd, rng = input_noise_sd(log.as_recorded), np.random.default_rng((SEED, k))
+            sd = input_noise_sd(log.as_recorded)
             times.append(log.time_s if log.input_read_s is None else log.input_read_s)
-            size = (PAIRS, times[-1].size) if sd > 0.0 else (1, 1)
-            draws.append(sd * rng.standard_normal(size))
-        return cls(times, draws, is_averaged=False)
+            drawn.append(partial(_white, sd, times[k].size, k) if sd > 0.0 else None)
+        return cls(times, drawn, is_averaged=False)
 
     @property
     def are_there(self) -> bool:
         """Whether any input has errors."""
-        return any(draws.any() for draws in self.draws)
+        return any(draws is not None for draws in self.drawn)
 
-    def added(self, problem: Problem, draw: int, sign: float) -> list[Segment]:
-        """The stretches of a problem with one draw on their inputs, or with that taken away."""
+    def added(self, problem: Problem, number: int, sign: float) -> list[Segment]:
+        """The stretches of a problem with one draw on their inputs, or with that taken away.
+
+        Parameters
+        ----------
+        problem
+            Over the logs.
+        number, sign
+            Which draw, and by how much.
+        """
+        errors = [None if draws is None else sign * draws(number) for draws in self.drawn]
         found = []
         for segment, owner in zip(problem.segments, problem.owner, strict=True):
-            if not self.draws[owner].any():
-                found.append(segment)
-                continue
-            error = np.interp(segment.time_s, self.time_s[owner], self.draws[owner][draw])
-            found.append(replace(segment, input=segment.input + sign * error))
+            error = errors[owner]
+            if error is not None:
+                moved = np.interp(segment.time_s, self.time_s[owner], error)
+                segment = replace(segment, input=segment.input + moved)
+            found.append(segment)
         return found
 
 
 NO_INPUT_ERRORS = InputErrors((), (), is_averaged=True)
 """Of an input that is known exactly."""
+
+
+def _white(sd: float, size: int, log: int, number: int) -> Array:
+    """A draw of white noise, the same whenever it is asked for."""
+    return sd * np.random.default_rng((SEED, log, number)).standard_normal(size)
 
 
 def with_input_errors(
@@ -138,17 +153,14 @@ def with_input_errors(
     kept = np.array([names.index(name) for name in covariance.names], int)[known]
     if not kept.size or not errors.are_there:
         return covariance
-    still = _at(problem, optimum, problem.segments)
-    matrix, gradient = np.zeros_like(still.matrix), np.zeros_like(still.gradient)
-    wider = covariance
-    for draw in range(PAIRS):
-        for sign in (1.0, -1.0):
-            moved = _at(problem, optimum, errors.added(problem, draw, sign))
-            matrix += 0.5 * (moved.matrix - still.matrix)
-            gradient += 0.5 * (moved.gradient - still.gradient)
-        square = np.ix_(kept, kept)
+    still, wider = _at(problem, optimum, problem.segments), covariance
+    square, matrices, pulls = np.ix_(kept, kept), [], []
+    for number in range(PAIRS):
+        moved = [_at(problem, optimum, errors.added(problem, number, sign)) for sign in (1.0, -1.0)]
+        matrices.append(np.mean([m.matrix - still.matrix for m in moved], axis=0)[square])
+        pulls.append(np.mean([m.gradient - still.gradient for m in moved], axis=0)[kept])
         found = _without_noise(
-            still.matrix[square], matrix[square] / (draw + 1), gradient[kept] / (draw + 1)
+            still.matrix[np.ix_(kept, kept)], np.array(matrices), np.array(pulls)
         )
         if found is None:
             return covariance
@@ -197,7 +209,7 @@ def _transformed(
 
 def _is_followed(problem: Problem, optimum: Optimum) -> bool:
     """Whether the output follows what seems to be noise of the input, so that it is none."""
-    moves = [_smoothing_of(log) for log in problem.logs]
+    moves = [partial(_smoothing_of, log) for log in problem.logs]
     smooth = InputErrors([log.time_s for log in problem.logs], moves, is_averaged=False)
     averaged = Problem.with_segments(problem, smooth.added(problem, 0, 1.0))
     both = [p.blocks(optimum.unknowns, derivatives=False) for p in (problem, averaged)]
@@ -209,10 +221,12 @@ def _is_followed(problem: Problem, optimum: Optimum) -> bool:
     return answer > TELLING and gained > 0.0
 
 
-def _smoothing_of(log: Log) -> Array:
-    """By how much averaging moves each sample of an input, shape (1, n)."""
-    smooth = without_input_noise(log)
-    return (smooth.channels[log.input].values - log.channels[log.input].values)[None, :]
+def _smoothing_of(log: Log, _: int) -> Array:
+    """By how much averaging moves each sample of an input, shape (n,)."""
+    smooth, recorded = (
+        taken.channels[log.input].values for taken in (without_input_noise(log), log)
+    )
+    return smooth - recorded
 
 
 def _at(problem: Problem, optimum: Optimum, segments: Sequence[Segment]) -> Linearised:
@@ -221,31 +235,36 @@ def _at(problem: Problem, optimum: Optimum, segments: Sequence[Segment]) -> Line
     return linearise(changed, optimum.unknowns, optimum.sigma)
 
 
-def _without_noise(known: Array, of_noise: Array, pull: Array) -> tuple[Array, Array] | None:
+def _without_noise(known: Array, of_noise: Array, pulls: Array) -> tuple[Array, Array] | None:
     """T and m of `with_input_errors`, shapes (K, K) and (K,); None where nothing is known.
+
+    The recorded noise is one of many, and may tell more than the mean of some draws does: their
+    standard deviation is added.
 
     Parameters
     ----------
     known
         H = JᵀJ, shape (K, K).
     of_noise
-        N, what noise adds to it, shape (K, K).
-    pull
-        b, what noise adds to the gradient, shape (K,).
+        What each of P pairs of draws adds to it, N in the mean, shape (P, K, K).
+    pulls
+        What each adds to the gradient, b in the mean, shape (P, K).
     """
     scale = np.sqrt(np.diag(known))
-    if not (np.isfinite(of_noise).all() and np.isfinite(pull).all() and (scale > 0.0).all()):
+    if not (np.isfinite(of_noise).all() and np.isfinite(pulls).all() and (scale > 0.0).all()):
         return None
     units = np.outer(scale, scale)
     try:
-        lower = np.linalg.cholesky(known / units)
+        root = np.linalg.inv(np.linalg.cholesky(known / units))
     except np.linalg.LinAlgError:
         return None
-    half = np.linalg.solve(lower, of_noise / units)
-    inner = np.linalg.solve(lower, half.T)
-    shares, axes = np.linalg.eigh(0.5 * (inner + inner.T))
-    longer = 1.0 / (1.0 - np.clip(shares, 0.0, MOST_NOISE))
-    columns = np.linalg.solve(lower.T, axes)
-    transform = (columns * np.sqrt(longer)) @ (axes.T @ lower.T)
-    move = (columns * longer) @ (columns.T @ (pull / scale))
+    inner = root @ (of_noise / units) @ root.T
+    mean = inner.mean(axis=0)
+    _, axes = np.linalg.eigh(0.5 * (mean + mean.T))
+    shares = np.einsum("ik,pij,jk->pk", axes, inner, axes)
+    most = shares.mean(axis=0) + (shares.std(axis=0, ddof=1) if len(shares) > 1 else 0.0)
+    longer = 1.0 / (1.0 - np.clip(most, 0.0, MOST_NOISE))
+    columns = root.T @ axes
+    transform = (columns * np.sqrt(longer)) @ np.linalg.inv(columns)
+    move = (columns * longer) @ (columns.T @ (pulls.mean(axis=0) / scale))
     return transform * np.outer(1.0 / scale, scale), move / scale

@@ -202,7 +202,8 @@ def left_input_errors(logs: Iterable[Log], gauges: Mapping[str, GaugeErrors]) ->
     """
     recorded = [log.as_recorded for log in logs]
     shifts = [_left_of(log, gauges.get(log.name, NO_ERRORS)) for log in recorded]
-    return InputErrors([log.time_s for log in recorded], shifts, is_averaged=True)
+    drawn = [shift.__getitem__ if shift.any() else None for shift in shifts]
+    return InputErrors([log.time_s for log in recorded], drawn, is_averaged=True)
 
 
 def unsure_parameters(
