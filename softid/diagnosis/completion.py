@@ -43,6 +43,7 @@ from softid.diagnosis.verdict.no_response import no_response
 from softid.diagnosis.verdict.revision import (
     as_unknown,
     is_outweighed_by_events,
+    with_described_part,
     with_names_withdrawn,
 )
 from softid.diagnosis.verdict.sample_errors import with_sample_remainder
@@ -175,6 +176,10 @@ def _no_response(answer: Diagnosis, case: Circumstances) -> Diagnosis:
     return answer if found is None else with_no_response(as_unknown(answer), found, case.final)
 
 
+def _described_part(answer: Diagnosis, case: Circumstances) -> Diagnosis:
+    return with_described_part(answer)
+
+
 def _remarks(answer: Diagnosis, case: Circumstances) -> Diagnosis:
     """The answer with what is to be known beside its verdict."""
     base, problem, left = case.base, case.base.candidate.problem, answer.remainder
@@ -243,6 +248,8 @@ STEPS: tuple[Step, ...] = (
     # It makes an adequate answer unknown and has the first remark and advice. It does not say that
     # a misfit has no name, so that parameters keep the verdict that they had.
     _no_response,
+    # It makes a named answer one in part.
+    _described_part,
     # Remarks that go by the verdict and by names, and change neither.
     _remarks,
     _input_treatment,

@@ -8,8 +8,13 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from softid.diagnosis.verdict.naming import DOUBTS_OF_BEING
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Verdict
 from softid.effects.base import Effect
+
+CLEAR_PART = 0.05
+"""Share of all that a chain takes away of the held-out squares from which on a description in it
+takes away a clear part; a judgement."""
 
 
 def as_unknown(answer: Diagnosis) -> Diagnosis:
@@ -48,6 +53,31 @@ def is_outweighed_by_events(answer: Diagnosis) -> bool:
     """
     is_open = bool(answer.causes) and answer.remainder.structured
     return is_open and not any(cause.doubt is Doubt.ONE_STEP for cause in answer.descriptive)
+
+
+def with_described_part(answer: Diagnosis) -> Diagnosis:
+    """The diagnosis; one in part, where a description takes away a clear part beside the names.
+
+    Something acts there of which its numbers leave open what it is. Where they leave open whether
+    it is there at all, the names stand for everything.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    """
+    if answer.verdict is not Verdict.NAMED:
+        return answer
+    whole = sum(_taken_by(cause) for cause in (*answer.causes, *answer.descriptive))
+    acting = [cause for cause in answer.descriptive if cause.doubt not in DOUBTS_OF_BEING]
+    if any(_taken_by(cause) > CLEAR_PART * whole for cause in acting):
+        return replace(answer, verdict=Verdict.PARTIAL)
+    return answer
+
+
+def _taken_by(cause: Cause) -> float:
+    """Mean square of the held-out error that a cause takes away where it stands in the chain."""
+    return cause.holdout_rmse_before**2 - cause.holdout_rmse_after**2
 
 
 def exchanged_causes(

@@ -10,6 +10,7 @@ from handmade_diagnosis import FRICTION, TIE, diagnosis
 from softid.diagnosis.verdict.revision import (
     exchanged_causes,
     is_outweighed_by_events,
+    with_described_part,
     with_names_withdrawn,
     with_ties,
 )
@@ -41,6 +42,32 @@ def test_an_event_outweighs_causes_that_leave_something(
     """Without causes there is no name to take away, and what leaves noise is no event."""
     found = replace(diagnosis(verdict), descriptive=(replace(FRICTION, doubt=doubt),))
     assert is_outweighed_by_events(found) is expected
+
+
+@pytest.mark.parametrize(
+    ("verdict", "doubt", "part", "expected"),
+    [
+        (Verdict.NAMED, Doubt.AT_BOUND, 0.2, Verdict.PARTIAL),
+        (Verdict.NAMED, None, 0.2, Verdict.PARTIAL),
+        (Verdict.NAMED, Doubt.AT_BOUND, 0.01, Verdict.NAMED),
+        (Verdict.NAMED, Doubt.MAY_BE_ZERO, 0.2, Verdict.NAMED),
+        (Verdict.AMBIGUOUS, Doubt.AT_BOUND, 0.2, Verdict.AMBIGUOUS),
+    ],
+)
+def test_a_description_that_takes_a_clear_part_leaves_the_names_a_part(
+    verdict: Verdict, doubt: Doubt | None, part: float, expected: Verdict
+) -> None:
+    """By its share of what all take away of the held-out squares, unless it may be nothing."""
+    found = diagnosis(verdict)
+    (cause,) = found.causes
+    named = cause.holdout_rmse_before**2 - cause.holdout_rmse_after**2
+    after = cause.holdout_rmse_after
+    before = (after**2 + part / (1.0 - part) * named) ** 0.5
+    beside = replace(
+        FRICTION, effect="creep", doubt=doubt, holdout_rmse_before=before, holdout_rmse_after=after
+    )
+    assert with_described_part(replace(found, descriptive=(beside,))).verdict is expected
+    assert with_described_part(found).verdict is verdict
 
 
 @pytest.mark.parametrize(
