@@ -17,12 +17,12 @@ from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.searches.cause_search import CauseSearch
-from softid.diagnosis.searches.fitted_together import explained_by_held_out
+from softid.diagnosis.searches.fitted_together import fitted_together
 from softid.diagnosis.searches.over_plainer_models import ModelSearch, OtherModel, PlainerModels
 from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.smoothed_record import smoothed_alone
 from softid.diagnosis.searches.strategy import Searched, search_causes, search_with_intersample
-from softid.diagnosis.verdict.revision import exchanged_causes, with_ties
+from softid.diagnosis.verdict.revision import as_unknown, exchanged_causes, with_ties
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
@@ -64,10 +64,12 @@ def best_answer(
     alone = search.explained_by_moments()
     if alone is not None:
         return _answer(alone, search)
-    together = explained_by_held_out(recordings, request, search)
-    if together is not None:
-        return _with_issues(_answer(together[0], search), together[1:])
+    together = fitted_together(recordings, request, search)
+    if together is not None and together.alone is not None:
+        return _with_issues(_answer(together.alone, search), (together.issue,))
     best = _over_best_model(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    if together is not None and not (best[0].causes or best[0].descriptive):
+        return _with_issues((as_unknown(best[0]), *best[1:]), (together.issue,))
     if best[0].verdict is not Verdict.UNKNOWN:
         return best
     told = unasked_model_issues(recordings, request, search, best[2])

@@ -11,8 +11,10 @@ from handmade_diagnosis import diagnosis
 
 from softid.diagnosis import best_answer as module
 from softid.diagnosis.best_answer import best_answer
+from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, Together
 from softid.diagnosis.searches.over_plainer_models import ModelSearch
 from softid.diagnosis_results import Diagnosis, Verdict
+from softid.errors import Issue
 
 NOTHING: Any = None
 
@@ -61,7 +63,7 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
         is_chosen=lambda base: False,
         richer_than=lambda base: [chosen],
     )
-    monkeypatch.setattr(module, "explained_by_held_out", lambda *args: None)
+    monkeypatch.setattr(module, "fitted_together", lambda *args: None)
     monkeypatch.setattr(module, "PlainerModels", lambda *args: models)
     monkeypatch.setattr(module, "_over_this_or_plainer", lambda *args: (plain, base, None))
     monkeypatch.setattr(module, "_surest_answer", lambda *args: (rich, base, None))
@@ -71,3 +73,29 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
     request: Any = SimpleNamespace(model=None)
     found, _, _ = best_answer(NOTHING, request, search, NOTHING, is_in_doubt=False)
     assert (found is rich) is is_rich
+
+
+REFUTED = Together(None, Issue(NOT_TOGETHER, "warning", "no parameters follow both"))
+
+
+@pytest.mark.parametrize(
+    ("found", "verdict", "is_told"),
+    [
+        (answer(Verdict.ADEQUATE), Verdict.UNKNOWN, True),
+        (replace(RICH_UNKNOWN, descriptive=()), Verdict.UNKNOWN, True),
+        (RICH_UNKNOWN, Verdict.UNKNOWN, False),
+        (RICH_SETTLED, Verdict.NAMED, False),
+    ],
+    ids=["adequate", "unknown", "described", "named"],
+)
+def test_a_base_that_follows_no_two_logs_at_once_is_not_adequate(
+    found: Diagnosis, verdict: Verdict, is_told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unsure parameters would explain what is missed; a cause that is named explains it better."""
+    search: Any = SimpleNamespace(explained_by_moments=lambda: None)
+    monkeypatch.setattr(module, "fitted_together", lambda *args: REFUTED)
+    monkeypatch.setattr(module, "_over_best_model", lambda *args, **kwargs: (found, None, None))
+    monkeypatch.setattr(module, "unasked_model_issues", lambda *args: ())
+    told, _, _ = best_answer(NOTHING, NOTHING, search, NOTHING, is_in_doubt=False)
+    assert told.verdict is verdict
+    assert (REFUTED.issue in told.issues) is is_told

@@ -86,8 +86,8 @@ def test_an_inertia_of_which_only_noise_tells_is_not_identified() -> None:
 
 def test_a_ripple_that_the_actuator_follows_tells_what_it_does() -> None:
     """The same size is a ripple of the pressure in one log and noise of the gauge in the other."""
-    assert growth(noisy_log(TRIANGLE, 1, noise=1.0, is_ripple=True), "N") == 1.0
-    assert growth(noisy_log(TRIANGLE, 1, noise=1.0), "N") > 1.5
+    assert growth(noisy_log(TRIANGLE, 1, noise=1.5, is_ripple=True), "N") == 1.0
+    assert growth(noisy_log(TRIANGLE, 1, noise=1.5), "N") > 1.5
 
 
 def test_steps_tell_so_much_that_noise_is_nothing_beside_it() -> None:

@@ -27,12 +27,12 @@ from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES, SPECTRAL_LINE
-from softid.diagnosis.searches.fitted_together import TOLD_TOGETHER
+from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER
 from softid.diagnosis.searches.smoothed_record import SMOOTHED_RECORD
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.quality.causality import LEADING_OUTPUT
 
-WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE, UNASKED_MODEL)
+WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE, UNASKED_MODEL, NOT_TOGETHER)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
 ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)

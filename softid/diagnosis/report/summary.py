@@ -19,7 +19,7 @@ from softid.diagnosis.report.phrases import given_up
 from softid.diagnosis.report.remarks import Remarks
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.report.what_is_left import WhatIsLeft
-from softid.diagnosis.searches.fitted_together import TOLD_TOGETHER
+from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER
 from softid.diagnosis_results import Diagnosis, Verdict, dropped_from
 from softid.sentences import sentence
 
@@ -42,6 +42,7 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
         or _remedy_of(found, SEVERAL_ELEMENTS)
         or _remedy_of(found, BEGUN_ANEW)
         or _remedy_of(found, TOLD_TOGETHER)
+        or _remedy_of(found, NOT_TOGETHER)
         or what_next(
             found.verdict,
             alternatives=alternatives,

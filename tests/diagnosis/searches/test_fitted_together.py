@@ -10,7 +10,12 @@ from linear_motion import linear_angle
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Recordings, Request
 from softid.diagnosis.searches.cause_search import CauseSearch
-from softid.diagnosis.searches.fitted_together import TOLD_TOGETHER, explained_by_held_out
+from softid.diagnosis.searches.fitted_together import (
+    NOT_TOGETHER,
+    TOLD_TOGETHER,
+    Together,
+    fitted_together,
+)
 from softid.diagnosis_results import Verdict
 from softid.effects import effects_of
 from softid.log import Log, LogSet
@@ -41,13 +46,13 @@ def recorded(
     return Log.from_arrays(TIME_S, {"pressure": gauge, "angle": angle}, name=name)
 
 
-def is_explained(train: Log, judge: Log) -> bool:
-    """Whether nothing is missing from an oscillator, before any search for a cause."""
+def asked(train: Log, judge: Log) -> Together | None:
+    """What a fit to both says of an oscillator, before any search for a cause."""
     request = Request("oscillator", None, 0, lambda message, fraction: None)
     recordings = Recordings(LogSet((train,)), (judge,))
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
     search = CauseSearch(base, effects_of(()), 0, lambda message, fraction: None)
-    return explained_by_held_out(recordings, request, search) is not None
+    return fitted_together(recordings, request, search)
 
 
 @pytest.mark.parametrize(("seed", "before"), [(1, "could not be seen"), (2, "1.54")])
@@ -68,15 +73,28 @@ def test_an_inertia_that_only_a_fast_log_tells_is_not_missing(seed: int, before:
 )
 def test_what_no_parameter_makes_up_for_is_still_missing(of_all: dict[str, float]) -> None:
     """Known truth: a delay is in both logs, and the ramp does not show it."""
-    assert not is_explained(recorded(RAMP, "ramp", **of_all), recorded(SQUARE, "square", **of_all))
+    found = asked(recorded(RAMP, "ramp", **of_all), recorded(SQUARE, "square", **of_all))
+    assert found is not None
+    assert found.alone is None
+    assert found.issue.code == NOT_TOGETHER
+    assert "something is missing that ramp alone hardly shows" in found.issue.message
 
 
 def test_another_actuator_is_not_explained() -> None:
     """Known truth: what is held out is stiffer by a twentieth, and one fit follows one of both."""
-    assert not is_explained(recorded(RAMP, "ramp"), recorded(SQUARE, "square", stiffer=0.05))
+    found = asked(recorded(RAMP, "ramp"), recorded(SQUARE, "square", stiffer=0.05))
+    assert found is not None
+    assert found.alone is None
+
+
+def test_louder_noise_in_the_other_log_is_no_misfit() -> None:
+    """Known truth: nothing is missing, and what is held out has five times the noise."""
+    found = asked(recorded(RAMP, "ramp"), recorded(SQUARE, "square", noise=0.02))
+    assert found is not None
+    assert found.alone is not None
 
 
 def test_a_log_that_tells_all_asks_for_no_second_fit() -> None:
     """Known truth: square waves foretell each other, so the question does not arise."""
     train, judge = recorded(SQUARE, "train"), recorded(SQUARE[::-1].copy(), "square")
-    assert not is_explained(train, judge)
+    assert asked(train, judge) is None
