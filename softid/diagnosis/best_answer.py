@@ -10,6 +10,7 @@ from itertools import islice
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.issues import unsure_issues
 from softid.diagnosis.report.other_explanations import OtherExplanations
 from softid.diagnosis.report.other_model import tie_with_other_model, unasked_model_issues
@@ -68,12 +69,18 @@ def best_answer(
     if together is not None and together.alone is not None:
         return _with_issues(_answer(together.alone, search), (together.issue,))
     best = _over_best_model(recordings, request, search, others, is_in_doubt=is_in_doubt)
-    if together is not None and not (best[0].causes or best[0].descriptive):
+    if together is not None and not _says_what_it_is(best[0]):
         return _with_issues((as_unknown(best[0]), *best[1:]), (together.issue,))
     if best[0].verdict is not Verdict.UNKNOWN:
         return best
     told = unasked_model_issues(recordings, request, search, best[2])
     return _with_issues(best, told) if told else best
+
+
+def _says_what_it_is(answer: Diagnosis) -> bool:
+    """Whether there is a cause, a description, or a number in which what is held out differs."""
+    differs = any(issue.code == HELD_OUT_CHANGE for issue in answer.issues)
+    return differs or bool(answer.causes or answer.descriptive)
 
 
 def _over_best_model(

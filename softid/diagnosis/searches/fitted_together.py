@@ -113,7 +113,7 @@ def not_together(base: BaseFit, rms: float) -> Issue:
         "warning",
         f"fitted to {fitted} and {held} together, the {base.candidate.problem.model.name} model "
         f"leaves {left} rms on {held}, which is more than noise: something is missing that "
-        f"{fitted} alone hardly shows",
+        f"{fitted} alone hardly shows, or something changed between them",
         f"diagnose {fitted} and {held} together, and keep another log to judge by",
     )
 
