@@ -5,14 +5,19 @@ and every evaluation costs that fraction only. What is chosen there is refitted 
 they were recorded: for the averages those that lie unevenly are read at even times. A
 motion without a spring is left as it is: it adds up what a force is off for the whole log, so its
 candidates part after a few evaluations where averages differ in the last digits.
+
+Averages of a quick edge leave a residual of their own, which a clock that runs wrong or a lag by
+level would explain. So the outputs are such that the fit leaves over the averages what these are of
+what it leaves over the samples.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.even_sampling import evenly_sampled
@@ -20,6 +25,9 @@ from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.extension import extend_in_order
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
 
 COPY_SAMPLES = 1200
 """Up to so many samples nothing is averaged, and of many more about so many averages are left."""
@@ -61,8 +69,36 @@ def rough_copy(
     problem = Problem(whole.problem.model, whole.problem.parameters, averaged)
     if problem.size != whole.problem.size:  # a stall more or less, with an initial state of its own
         return whole, sigma
+    left = [decimated(log, count) for log in _left_over(whole.problem, whole.minimum.point, logs)]
+    own = _left_over(problem, whole.minimum.point, averaged)
+    corrected = [_with_more(*three) for three in zip(averaged, left, own, strict=True)]
+    problem = Problem(whole.problem.model, whole.problem.parameters, corrected)
     weighted = {channel: size / np.sqrt(count) for channel, size in sigma.items()}
     return advance(replace(whole, problem=problem), weighted, 1), weighted
+
+
+def _left_over(problem: Problem, point: Array, logs: Sequence[Log]) -> list[Log]:
+    """Logs whose outputs are what a fit leaves of them, 0 where a sample is not used."""
+    left = [{name: np.zeros(len(log)) for name in problem.outputs} for log in logs]
+    for block in problem.blocks(point, derivatives=False):
+        segment = problem.segments[block.segment]
+        values = left[problem.owner[block.segment]][block.channel][segment.start : segment.stop]
+        values[segment.samples_of(segment.used[block.channel])] = block.residual
+    return [_with_outputs(log, own) for log, own in zip(logs, left, strict=True)]
+
+
+def _with_more(log: Log, left: Log, own: Log) -> Log:
+    """A log whose outputs leave what the second leaves, where they leave the third."""
+    outputs = {
+        name: log.channels[name].values + left.channels[name].values - own.channels[name].values
+        for name in log.outputs
+    }
+    return _with_outputs(log, outputs)
+
+
+def _with_outputs(log: Log, outputs: Mapping[str, Array]) -> Log:
+    channels = {n: replace(log.channels[n], values=values) for n, values in outputs.items()}
+    return replace(log, channels={**log.channels, **channels})
 
 
 def over_samples_of(candidate: Candidate, fitted: Candidate, scale: Scale) -> Candidate:

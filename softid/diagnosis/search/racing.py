@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 from softid.diagnosis.refit.candidates import COARSE_STEPS, FINE_STEPS, Candidate
@@ -161,7 +161,7 @@ def race(
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
         best = [over_samples_of(candidate, fitted, scale) for candidate in second[:1]]
         return run_round(best, sigma, 1, FINE_STEPS)
-    kept = _contenders(rough, second, promising, rough_sigma)
+    kept = _contenders(rough, second, promising, late_forms, rough_sigma)
     last = _last_rounds([over_samples_of(c, fitted, scale) for c in kept], sigma)
     last += simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
     return best_of_each(last)
@@ -276,10 +276,16 @@ def _contenders(
     fitted: Candidate,
     second: Sequence[Candidate],
     promising: Sequence[str],
+    late_forms: Collection[str],
     sigma: Mapping[str, float],
 ) -> list[Candidate]:
-    """Those that stay for the last rounds, also with the base's terms or two times exchanged."""
-    leader = second[0].squares
+    """Those that stay for the last rounds, also with the base's terms or two times exchanged.
+
+    A richer form that entered late bends to what a rough copy makes of the samples as well: it
+    drives nobody out that is near the best of the others.
+    """
+    plain = [candidate for candidate in second if candidate.effects[-1].key not in late_forms]
+    leader = (plain or second)[0].squares
     misfit = max(fitted.squares - leader, 0.0)
     limit = leader + CLEAR_LEAD * misfit
     kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)

@@ -66,6 +66,23 @@ def test_a_misfit_weighs_as_much_over_averages_and_noise_half_as_much() -> None:
         assert {name: rough.parameters[name] for name in TRUTH} == pytest.approx(TRUTH)
 
 
+def test_averages_of_an_edge_leave_nothing_of_their_own() -> None:
+    """Known truth: the model leaves nothing over the samples, whose edges averages round off, so it
+    leaves nothing over these either; and a stiffness 1 % off weighs as much over both."""
+    problem = linear_problem([linear_log(samples=SAMPLES)])
+    z = problem.unknowns(TRUTH)
+    whole = standing(problem, z)
+    rough, _ = rough_copy(whole, scale_of(problem, z), SIGMA)
+    assert rough.problem.n_samples == SAMPLES // 2
+    assert rough.squares == pytest.approx(whole.squares, abs=1e-3)
+    off = problem.unknowns(TRUTH | {"Q": 1.01 * TRUTH["Q"]})
+    over_samples, over_averages = (
+        advance(standing(one, off), sigma, 1).squares
+        for one, sigma in ((problem, SIGMA), (rough.problem, {"angle": SIGMA["angle"] / 2.0**0.5}))
+    )
+    assert over_averages == pytest.approx(over_samples, rel=0.02)
+
+
 def test_a_time_constant_holds_three_averages(monkeypatch: pytest.MonkeyPatch) -> None:
     """0.2 s at 50 Hz has ten samples; three averages of three are as many as fit in whole."""
     monkeypatch.undo()
