@@ -13,12 +13,9 @@ from softid.errors import IdentificationError, Issue
 from softid.fitters.output_error import Optimum, refit_nuisance
 from softid.fitters.problem import Problem
 from softid.identification.dropped_terms import DroppedTerm, deviations_beside
-from softid.identification.errors_in_variables import (
-    NO_INPUT_ERRORS,
-    InputErrors,
-    with_input_errors,
-)
+from softid.identification.errors_in_variables import with_input_errors
 from softid.identification.estimates import nuisances_of, parameter_estimates, scores
+from softid.identification.input_errors import NO_INPUT_ERRORS, InputErrors
 from softid.identification.issues import (
     fitted_range,
     issues_of,

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
-from softid.identification.errors_in_variables import InputErrors, with_input_errors
+from softid.identification.errors_in_variables import with_input_errors
+from softid.identification.input_errors import InputErrors
 from softid.identification.parameter_covariance import errors_of
 from softid.uncertainty import larger_of
 

@@ -12,8 +12,8 @@ on the average to JᵀJ and to the gradient Jᵀr, the recorded noise has done t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -22,9 +22,9 @@ import numpy.typing as npt
 from softid.fitters.normal_equations import Linearised, linearise
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
-from softid.identification.input_denoising import input_noise_sd, without_input_noise
+from softid.identification.input_errors import InputErrors
+from softid.identification.input_ripple import is_followed
 from softid.identification.unknown_names import unknown_names
-from softid.log import Log
 from softid.segment import Segment
 from softid.uncertainty import Covariance
 
@@ -49,93 +49,6 @@ NEGLIGIBLE = 0.05
 FARTHEST = 1.5
 """Farthest that the noise is said to have moved the logarithm of a parameter, a factor of 4.5:
 farther off, the slopes that say so hold no more, and the parameter is not known anyway."""
-
-TELLING = 6.0
-"""Standard errors by which what averages leave differs between noise and a ripple that the output
-follows, from which on it is said which: half of it is three."""
-
-MOST_OF_NOISE = 1.25
-"""Most that averages take away of a draw, in what they take away of the noise that was recorded:
-the two differ by chance, and where they differ by more, averages do otherwise."""
-
-SEED = 0
-"""Seed of the draws, the same in every log."""
-
-
-@dataclass(frozen=True, eq=False)
-class InputErrors:
-    """Draws of the errors of the input of some logs.
-
-    Attributes
-    ----------
-    time_s
-        When each input was read, shape (n,) each.
-    drawn
-        For each log its draws in the unit of the input by their number, at least `PAIRS` of shape
-        (n,) each; None where there is no error.
-    is_averaged
-        Whether noise was averaged away before the fit.
-    """
-
-    time_s: Sequence[Array]
-    drawn: Sequence[Callable[[int], Array] | None]
-    is_averaged: bool
-
-    @classmethod
-    def as_recorded(cls, logs: Iterable[Log]) -> InputErrors:
-        """White noise of the size that the input of each log shows.
-
-        Parameters
-        ----------
-        logs
-            Logs whose input was not averaged.
-        """
-        times: list[Array] = []
-        drawn: list[Callable[[int], Array] | None] = []
-        for k, log in enumerate(logs):
-            sd = input_noise_sd(log.as_recorded)
-            times.append(log.time_s if log.input_read_s is None else log.input_read_s)
-            drawn.append(partial(_white, sd, times[k].size, k) if sd > 0.0 else None)
-        return cls(times, drawn, is_averaged=False)
-
-    @property
-    def are_there(self) -> bool:
-        """Whether any input has errors."""
-        return any(draws is not None for draws in self.drawn)
-
-    def added(self, problem: Problem, number: int, sign: float) -> list[Segment]:
-        """The stretches of a problem with one draw on their inputs, or with that taken away.
-
-        Parameters
-        ----------
-        problem
-            Over the logs.
-        number, sign
-            Which draw, and by how much.
-        """
-        errors = [None if draws is None else sign * draws(number) for draws in self.drawn]
-        found = []
-        for segment, owner in zip(problem.segments, problem.owner, strict=True):
-            error = errors[owner]
-            if error is not None:
-                moved = np.interp(segment.time_s, self.time_s[owner], error)
-                segment = replace(segment, input=segment.input + moved)
-            found.append(segment)
-        return found
-
-
-NO_INPUT_ERRORS = InputErrors((), (), is_averaged=True)
-"""Of an input that is known exactly."""
-
-
-def _white(sd: float, size: int, log: int, number: int) -> Array:
-    """A draw of white noise, the same whenever it is asked for.
-
-    The first reading tells alone where a rest was: it is off by its standard deviation in each.
-    """
-    draw = np.random.default_rng((SEED, log, number)).standard_normal(size)
-    draw[0] = np.copysign(1.0, draw[0])
-    return sd * draw
 
 
 def with_input_errors(
@@ -180,7 +93,7 @@ def with_input_errors(
             return covariance
     stirred.draw_more()
     found = stirred.allowed()
-    if found is None or (not errors.is_averaged and _is_followed(problem, optimum, errors)):
+    if found is None or (not errors.is_averaged and is_followed(problem, optimum, errors)):
         return covariance
     return _transformed(covariance, known, *found)
 
@@ -214,56 +127,6 @@ def _transformed(
         inflation=covariance.inflation * factors**2,
         cost_per_variance=covariance.cost_per_variance * factors**2,
     )
-
-
-def _is_followed(problem: Problem, optimum: Optimum, errors: InputErrors) -> bool:
-    """Whether the output follows what seems to be noise of the input, so that it is none.
-
-    Averages leave more of the output unexplained then, by the power of the answer to what they take
-    away. They bend a quick course as well, which leaves more whether or not there is noise: how
-    much of that answer is due to noise is seen by what they take away of a draw. Where that is
-    more than all of the answer, noise makes them bend otherwise, and nothing is told.
-    """
-    logs = problem.logs
-    smooth = [without_input_noise(log) for log in logs]
-    noisy = [_with_added(log, errors.drawn[k]) for k, log in enumerate(smooth)]
-    twice, again = ([without_input_noise(log) for log in own] for own in (smooth, noisy))
-    recorded, averaged, drawn, smoother, redrawn = (
-        _residuals(problem, optimum, logs, other) for other in (logs, smooth, noisy, twice, again)
-    )
-    variance = float(np.mean(recorded**2))
-    answer = float(np.sum((averaged - recorded) ** 2)) / variance
-    of_noise = float(np.sum((redrawn - drawn - smoother + averaged) ** 2)) / variance
-    gained = float(np.sum(averaged**2) - np.sum(recorded**2)) / variance
-    tells = TELLING * answer**0.5 < of_noise < MOST_OF_NOISE * answer
-    return tells and gained > max(0.5 * answer, answer - of_noise)
-
-
-def _with_added(log: Log, drawn: Callable[[int], Array] | None) -> Log:
-    """A log with a draw of noise on its input, of which one is read at every sample."""
-    if drawn is None:
-        return log
-    channel, noise = log.channels[log.input], np.resize(drawn(0), len(log))
-    channels = {**log.channels, log.input: replace(channel, values=channel.values + noise)}
-    return replace(log, channels=channels)
-
-
-def _residuals(
-    problem: Problem, optimum: Optimum, logs: Sequence[Log], others: Sequence[Log]
-) -> Array:
-    """Residuals of all channels in their scales, with the inputs of other logs."""
-    moves = [
-        partial(_difference, log.channels[log.input].values, other.channels[log.input].values)
-        for log, other in zip(logs, others, strict=True)
-    ]
-    added = InputErrors([log.time_s for log in logs], moves, is_averaged=False)
-    changed = Problem.with_segments(problem, added.added(problem, 0, 1.0))
-    blocks = changed.blocks(optimum.unknowns, derivatives=False)
-    return np.concatenate([block.residual / optimum.sigma[block.channel] for block in blocks])
-
-
-def _difference(before: Array, after: Array, _: int) -> Array:
-    return after - before
 
 
 class _Stirred:

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
-from softid.identification.errors_in_variables import InputErrors, with_input_errors
+from softid.identification.errors_in_variables import with_input_errors
+from softid.identification.input_errors import InputErrors
 from softid.identification.parameter_covariance import errors_of
 from softid.identification.refitting import refitted
 from softid.log import Log

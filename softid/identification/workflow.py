@@ -16,7 +16,7 @@ from softid.fitters.problem import Problem
 from softid.given_values import require_whole
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.dropped_terms import DroppedTerm, dropped_term
-from softid.identification.errors_in_variables import InputErrors
+from softid.identification.input_errors import InputErrors
 from softid.identification.input_treatment import taken_as_fitted
 from softid.identification.intersample_choice import (
     BETTER_BY,

@@ -9,11 +9,8 @@ from linear_motion import RATE_HZ, linear_angle
 from scipy.signal import sawtooth
 
 from softid import FitResult, Log, fit
-from softid.identification.errors_in_variables import (
-    NO_INPUT_ERRORS,
-    InputErrors,
-    with_input_errors,
-)
+from softid.identification.errors_in_variables import with_input_errors
+from softid.identification.input_errors import NO_INPUT_ERRORS, InputErrors
 from softid.identification.parameter_covariance import errors_of
 from softid.identification.workflow import identify
 

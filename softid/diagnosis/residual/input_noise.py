@@ -24,9 +24,10 @@ from softid.diagnosis.residual.jump_timing import part_of_jumps
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
-from softid.identification.errors_in_variables import InputErrors, with_input_errors
+from softid.identification.errors_in_variables import with_input_errors
 from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
 from softid.identification.input_denoising import without_input_noise
+from softid.identification.input_errors import InputErrors
 from softid.identification.parameter_covariance import errors_of
 from softid.log import Log
 from softid.parallel import in_parallel

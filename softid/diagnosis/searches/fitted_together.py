@@ -165,8 +165,8 @@ def _is_seen(base: BaseFit, name: str) -> bool:
 def _differs(base: BaseFit, together: Candidate, name: str) -> bool:
     if not _is_seen(base, name):
         return True
-    ratio = together.parameters[name] / base.candidate.parameters[name]
-    return not np.isclose(ratio, 1.0, rtol=DIFFERS, atol=0.0)
+    before, after = base.candidate.parameters[name], together.parameters[name]
+    return not np.isclose(after, before, rtol=DIFFERS, atol=0.0)
 
 
 def _before(base: BaseFit, name: str) -> str:
