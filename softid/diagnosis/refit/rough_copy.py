@@ -66,15 +66,33 @@ def rough_copy(
     if count == 1:
         return whole, sigma
     averaged = [decimated(log, count) for log in logs]
-    problem = Problem(whole.problem.model, whole.problem.parameters, averaged)
-    if problem.size != whole.problem.size:  # a stall more or less, with an initial state of its own
+    problem = _over(averaged, whole.problem)
+    if problem is None:
         return whole, sigma
-    left = [decimated(log, count) for log in _left_over(whole.problem, whole.minimum.point, logs)]
-    own = _left_over(problem, whole.minimum.point, averaged)
-    corrected = [_with_more(*three) for three in zip(averaged, left, own, strict=True)]
-    problem = Problem(whole.problem.model, whole.problem.parameters, corrected)
+    problem = _over(_as_left(whole, logs, averaged, problem, count), whole.problem) or problem
     weighted = {channel: size / np.sqrt(count) for channel, size in sigma.items()}
     return advance(replace(whole, problem=problem), weighted, 1), weighted
+
+
+def _over(logs: Sequence[Log], whole: Problem) -> Problem | None:
+    """A problem over other logs with the same unknowns.
+
+    None where a stall more or less, or a start that is no rest any more, has an initial state of
+    its own.
+    """
+    problem = Problem(whole.model, whole.parameters, logs)
+    is_alike = problem.size == whole.size and problem.at_rest == whole.at_rest
+    return problem if is_alike else None
+
+
+def _as_left(
+    whole: Candidate, logs: Sequence[Log], averaged: Sequence[Log], problem: Problem, count: int
+) -> list[Log]:
+    """Averages whose outputs leave of the fit what averages of its residuals are."""
+    point = whole.minimum.point
+    left = [decimated(log, count) for log in _left_over(whole.problem, point, logs)]
+    own = _left_over(problem, point, averaged)
+    return [_with_more(*three) for three in zip(averaged, left, own, strict=True)]
 
 
 def _left_over(problem: Problem, point: Array, logs: Sequence[Log]) -> list[Log]:
