@@ -7,8 +7,9 @@ motion without a spring is left as it is: it adds up what a force is off for the
 candidates part after a few evaluations where averages differ in the last digits.
 
 Averages of a quick edge leave a residual of their own, which a clock that runs wrong or a lag by
-level would explain. So the outputs are such that the fit leaves over the averages what these are of
-what it leaves over the samples.
+level would explain. Where it is large beside the misfit, the outputs are such that the fit leaves
+over the averages what these are of what it leaves over the samples. That is exact where the fit
+stands; where the misfit is larger, other laws stand too far away.
 """
 
 from __future__ import annotations
@@ -34,6 +35,10 @@ COPY_SAMPLES = 1200
 
 SAMPLES_PER_MOTION = 3.0
 """Averages in a time constant of the motion at least."""
+
+OWN_MISFIT = 1.25
+"""Averages whose sum of squares is larger than so many times that of what they should leave have a
+misfit of their own; a judgement."""
 
 
 def rough_copy(
@@ -69,9 +74,13 @@ def rough_copy(
     problem = _over(averaged, whole.problem)
     if problem is None:
         return whole, sigma
-    problem = _over(_as_left(whole, logs, averaged, problem, count), whole.problem) or problem
     weighted = {channel: size / np.sqrt(count) for channel, size in sigma.items()}
-    return advance(replace(whole, problem=problem), weighted, 1), weighted
+    rough = advance(replace(whole, problem=problem), weighted, 1)
+    corrected = _over(_as_left(whole, logs, averaged, problem, count), whole.problem)
+    if corrected is None:
+        return rough, weighted
+    left = advance(replace(whole, problem=corrected), weighted, 1)
+    return (left if rough.squares > OWN_MISFIT * left.squares else rough), weighted
 
 
 def _over(logs: Sequence[Log], whole: Problem) -> Problem | None:
