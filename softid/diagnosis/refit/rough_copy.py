@@ -9,7 +9,8 @@ candidates part after a few evaluations where averages differ in the last digits
 Averages of a quick edge leave a residual of their own, which a clock that runs wrong or a lag by
 level would explain. Where it is large beside the misfit, the outputs are such that the fit leaves
 over the averages what these are of what it leaves over the samples. That is exact where the fit
-stands; where the misfit is larger, other laws stand too far away.
+stands; where the misfit is larger, other laws stand too far away. What was read at even times for
+the averages has no samples to go by.
 """
 
 from __future__ import annotations
@@ -76,6 +77,9 @@ def rough_copy(
         return whole, sigma
     weighted = {channel: size / np.sqrt(count) for channel, size in sigma.items()}
     rough = advance(replace(whole, problem=problem), weighted, 1)
+    is_read_anew = any(log is not own for log, own in zip(logs, whole.problem.logs, strict=True))
+    if is_read_anew:
+        return rough, weighted
     corrected = _over(_as_left(whole, logs, averaged, problem, count), whole.problem)
     if corrected is None:
         return rough, weighted

@@ -36,8 +36,9 @@ them: 99 % of χ² with one degree of freedom, for one unsure parameter may make
 ASTRAY = 3.0
 """A model does not carry over to what is held out when it errs there by so many times as much.
 
-Where only slow noise that no rest shows could explain that, it is wrong: unsure parameters and slow
-noise are one guess too many. Nor is a model without causes adequate then, unsure as it may be."""
+Fast noise that is louder there is none of that. Where only slow noise that no rest shows could
+explain it, it is wrong: unsure parameters and slow noise are one guess too many. Nor is a model
+without causes adequate then, unsure as it may be."""
 
 
 def with_held_out(
@@ -84,7 +85,7 @@ def with_held_out(
         power = timed
         remainder = replace(remainder, open_jumps_held_out=jumps.count)
     is_a_guess = remainder.colour_s is not None or not after.effects
-    strays = is_a_guess and power > (ASTRAY * remainder.rms) ** 2
+    strays = is_a_guess and power > ASTRAY**2 * max(remainder.rms**2, noise)
     return replace(
         remainder,
         held_out_share=held_out_share(before, float(np.sqrt(power)), noise + unsure),

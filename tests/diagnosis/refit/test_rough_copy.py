@@ -83,6 +83,21 @@ def test_averages_of_an_edge_leave_nothing_of_their_own() -> None:
     assert over_averages == pytest.approx(over_samples, rel=0.02)
 
 
+def test_what_is_read_at_other_times_is_averaged_as_it_is_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Uneven samples are read at even times, which may be fewer: no residual is known there."""
+    log = linear_log(samples=SAMPLES, noise=0.01)
+    values = {name: channel.values[:-2] for name, channel in log.channels.items()}
+    shorter = Log.from_arrays(log.time_s[:-2], values, outputs=log.outputs)
+    monkeypatch.setattr(module, "evenly_sampled", lambda log: shorter)
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    rough, _ = rough_copy(standing(problem, z), scale_of(problem, z), SIGMA)
+    assert rough.problem.n_samples == SAMPLES // 2 - 1
+    assert np.isfinite(rough.squares)
+
+
 def test_a_time_constant_holds_three_averages(monkeypatch: pytest.MonkeyPatch) -> None:
     """0.2 s at 50 Hz has ten samples; three averages of three are as many as fit in whole."""
     monkeypatch.undo()

@@ -123,6 +123,7 @@ def told_of(left: Remainder, model: Candidate, held_out: HeldOut) -> Remainder:
     [
         (fast_log(noise=NOISE), False),
         (fast_log(noise=2.0 * NOISE), False),
+        (fast_log(noise=5.0 * NOISE), False),
         (fast_log(noise=NOISE, gain=1.3), True),
     ],
 )
