@@ -63,7 +63,8 @@ def with_input_errors(
     for the C that the residuals tell; m is the distance to where the fit would be without the
     noise, to first order. A single draw moves the fit besides by H⁻¹(g − b), and no variance is
     less than the mean square of that: residuals tell noise as one that is alike throughout, and
-    that of the first reading, from which the rest is taken, is not.
+    that of the first reading, from which the rest is taken, is not. Where noise was averaged away,
+    who did so knows how far a draw moves the fit.
 
     What a gauge shows as noise may be a ripple of the pressure: then the output follows it, better
     than it follows a smooth course, and C stays. Where the output cannot tell, it is taken for
@@ -147,6 +148,7 @@ class _Stirred:
         self._at = partial(_linearised, problem, optimum)
         self._added = partial(errors.added, problem)
         self._kept = np.array([every.index(name) for name in names], int)
+        self._is_averaged = errors.is_averaged
         self._is_logarithm = np.array(
             [name in own.free and own[name].scale == "log" for name in names], bool
         )
@@ -166,7 +168,9 @@ class _Stirred:
         self._stirs.append(0.5 * (up.gradient - down.gradient)[self._kept])
 
     def draw_more(self) -> None:
-        """More draws of what is odd, which is another in each."""
+        """More draws of what is odd, which is another in each, where it counts."""
+        if self._is_averaged:
+            return
         pull = np.mean(self._pulls, axis=0)
         for number in range(len(self._stirs), len(self._stirs) + MORE_DRAWS):
             once = self._at(self._added(number, 1.0))
@@ -207,7 +211,7 @@ class _Stirred:
         move = (columns * longer) @ (columns.T @ (pull / scale)) / scale
         farthest = np.abs(move[self._is_logarithm]).max(initial=FARTHEST)
         moves = stirs / scale @ (root.T @ root) / scale
-        squares: Array = np.mean(moves**2, axis=0)
+        squares = 0.0 * pull if self._is_averaged else np.mean(moves**2, axis=0)
         return transform * np.outer(1.0 / scale, scale), move * FARTHEST / farthest, squares
 
 

@@ -27,7 +27,7 @@ from softid.diagnosis.residual.projection import basis_of, rows_of
 from softid.identification.errors_in_variables import with_input_errors
 from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
 from softid.identification.input_denoising import without_input_noise
-from softid.identification.input_errors import InputErrors
+from softid.identification.input_errors import NO_INPUT_ERRORS, InputErrors
 from softid.identification.parameter_covariance import errors_of
 from softid.log import Log
 from softid.parallel import in_parallel
@@ -191,6 +191,22 @@ def moved_parameters(
     return dict(zip(free, np.sqrt(np.mean(moved**2, axis=1)).tolist(), strict=False))
 
 
+def errors_in_fit(model: Candidate, gauges: Mapping[str, GaugeErrors]) -> InputErrors:
+    """Those of the input that count in the errors of a model's parameters.
+
+    A motion without a spring adds up what a force is off for the whole log: draws of its noise then
+    leave far more than the recorded one, and say nothing of it.
+
+    Parameters
+    ----------
+    model
+        A fit.
+    gauges
+        As in `input_noise`.
+    """
+    return left_input_errors(model.problem.logs, gauges) if model.has_spring else NO_INPUT_ERRORS
+
+
 def left_input_errors(logs: Iterable[Log], gauges: Mapping[str, GaugeErrors]) -> InputErrors:
     """What averaging leaves of the noise of each log's input, and what rounding hides of it.
 
@@ -226,7 +242,7 @@ def unsure_parameters(
     told = errors_of(problem, optimum).covariance
     if told is None:
         return {}
-    errors = left_input_errors(problem.logs, gauges)
+    errors = errors_in_fit(model, gauges)
     wider, found = with_input_errors(told, problem, optimum, errors), {}
     for k, name in enumerate(problem.free):
         row = told.names.index(name) if name in told.names else None

@@ -14,7 +14,7 @@ from softid.diagnosis.refit.candidates import Candidate, prior_sd
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, fitted_range, mean_power
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import held_out_share
-from softid.diagnosis.residual.input_noise import input_noise, left_input_errors
+from softid.diagnosis.residual.input_noise import errors_in_fit, input_noise
 from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
 from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_floor import EXCESS_SDS, fastest_part
@@ -171,7 +171,7 @@ def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, fl
     free = [(row, k) for row, k in enumerate(errors.determined) if k < len(problem.free)]
     if errors.covariance is None or not free:
         return 0.0
-    of_input = left_input_errors(problem.logs, held_out.gauges)
+    of_input = errors_in_fit(model, held_out.gauges)
     covariance = with_input_errors(errors.covariance, problem, optimum, of_input)
     rows, places = np.array(free).T
     limits = np.array([prior_sd(model, int(k)) for k in places])
