@@ -26,7 +26,7 @@ from softid.identification.input_errors import InputErrors
 from softid.identification.input_ripple import is_followed
 from softid.identification.unknown_names import unknown_names
 from softid.segment import Segment
-from softid.uncertainty import Covariance
+from softid.uncertainty import Covariance, widened
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -83,14 +83,13 @@ def with_input_errors(
     if not known.any() or not errors.are_there:
         return covariance
     names = [name for name, is_known in zip(covariance.names, known, strict=True) if is_known]
-    stirred, wider = _Stirred(problem, optimum, errors, names), covariance
+    stirred = _Stirred(problem, optimum, errors, names)
     for _ in range(PAIRS):
         stirred.draw_pair()
         found = stirred.allowed()
         if found is None:
             return covariance
-        wider = _transformed(covariance, known, *found)
-        if _widening(covariance, wider) < 1.0 + NEGLIGIBLE:
+        if _widening(covariance, _transformed(covariance, known, *found)) < 1.0 + NEGLIGIBLE:
             return covariance
     stirred.draw_more()
     found = stirred.allowed()
@@ -119,15 +118,8 @@ def _transformed(
     lower = np.sqrt(np.maximum(least / np.diag(after), 1.0))
     matrix = covariance.matrix.copy()
     matrix[square] = after * np.outer(lower, lower)
-    factors = np.sqrt(np.diag(matrix) / np.diag(covariance.matrix))
-    sds = zip(covariance.sd, factors.tolist(), strict=True)
-    return replace(
-        covariance,
-        matrix=matrix,
-        sd=tuple(sd if sd is None else sd * factor for sd, factor in sds),
-        inflation=covariance.inflation * factors**2,
-        cost_per_variance=covariance.cost_per_variance * factors**2,
-    )
+    sds = dict(zip(covariance.names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
+    return replace(widened(covariance, sds), matrix=matrix)
 
 
 class _Stirred:
@@ -211,7 +203,7 @@ class _Stirred:
         move = (columns * longer) @ (columns.T @ (pull / scale)) / scale
         farthest = np.abs(move[self._is_logarithm]).max(initial=FARTHEST)
         moves = stirs / scale @ (root.T @ root) / scale
-        squares = 0.0 * pull if self._is_averaged else np.mean(moves**2, axis=0)
+        squares = np.zeros_like(pull) if self._is_averaged else np.mean(moves**2, axis=0)
         return transform * np.outer(1.0 / scale, scale), move * FARTHEST / farthest, squares
 
 

@@ -72,18 +72,34 @@ class InputErrors:
             Which draw, and by how much.
         """
         errors = [None if draws is None else sign * draws(number) for draws in self.drawn]
-        found = []
-        for segment, owner in zip(problem.segments, problem.owner, strict=True):
-            error = errors[owner]
-            if error is not None:
-                moved = np.interp(segment.time_s, self.time_s[owner], error)
-                segment = replace(segment, input=segment.input + moved)
-            found.append(segment)
-        return found
+        return with_moved_inputs(problem, self.time_s, errors)
 
 
 NO_INPUT_ERRORS = InputErrors((), (), is_averaged=True)
 """Of an input that is known exactly."""
+
+
+def with_moved_inputs(
+    problem: Problem, time_s: Sequence[Array], moves: Sequence[Array | None]
+) -> list[Segment]:
+    """The stretches of a problem with their inputs moved, straight between given times.
+
+    Parameters
+    ----------
+    problem
+        Over some logs.
+    time_s, moves
+        For each log times, and by how much its input is moved then, each of shape (n,); None for an
+        input that stays.
+    """
+    found = []
+    for segment, owner in zip(problem.segments, problem.owner, strict=True):
+        move = moves[owner]
+        if move is not None:
+            move = np.interp(segment.time_s, time_s[owner], move)
+            segment = replace(segment, input=segment.input + move)
+        found.append(segment)
+    return found
 
 
 def _white(sd: float, size: int, log: int, number: int) -> Array:

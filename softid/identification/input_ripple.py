@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +11,7 @@ import numpy.typing as npt
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
 from softid.identification.input_denoising import without_input_noise
-from softid.identification.input_errors import InputErrors
+from softid.identification.input_errors import InputErrors, with_moved_inputs
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -70,14 +69,10 @@ def _residuals(
 ) -> Array:
     """Residuals of all channels in their scales, with the inputs of other logs."""
     moves = [
-        partial(_difference, log.channels[log.input].values, other.channels[log.input].values)
+        other.channels[other.input].values - log.channels[log.input].values
         for log, other in zip(logs, others, strict=True)
     ]
-    added = InputErrors([log.time_s for log in logs], moves, is_averaged=False)
-    changed = Problem.with_segments(problem, added.added(problem, 0, 1.0))
+    segments = with_moved_inputs(problem, [log.time_s for log in logs], moves)
+    changed = Problem.with_segments(problem, segments)
     blocks = changed.blocks(optimum.unknowns, derivatives=False)
     return np.concatenate([block.residual / optimum.sigma[block.channel] for block in blocks])
-
-
-def _difference(before: Array, after: Array, _: int) -> Array:
-    return after - before

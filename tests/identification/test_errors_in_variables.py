@@ -35,9 +35,9 @@ def noisy_log(pressure: Array, seed: int, *, noise: float = 0.5, is_ripple: bool
     return Log.from_arrays(TIME_S, {"pressure": pressure + shaking, "angle": angle})
 
 
-def fits_of(pressure: Array, **kwargs: float) -> list[FitResult]:
+def fits_of(pressure: Array) -> list[FitResult]:
     """Fits of a few draws of `noisy_log`."""
-    logs = (noisy_log(pressure, seed, **kwargs) for seed in range(200, 200 + DRAWS))
+    logs = (noisy_log(pressure, seed) for seed in range(200, 200 + DRAWS))
     return [fit(log, model="oscillator") for log in logs]
 
 
