@@ -70,19 +70,22 @@ def test_resampling_keeps_gaps_size_and_memory() -> None:
     shorts=st.lists(st.integers(1, 12), max_size=5),
     seed=st.integers(0, 2**32 - 1),
 )
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_short_segments_do_not_shorten_the_blocks_of_long_ones(
     rho: float, shorts: list[int], seed: int
 ) -> None:
     """The best length grows with n^(1/3): a few samples more of the same noise add next to nothing.
 
-    The autoregression is fitted to them, too, and a few of 3000 move it a little: a fifth is
-    allowed. It was one sample beside a segment of six.
+    It was one sample beside a segment of six. In a draw among thirty the few samples tip the order
+    of the autoregression, which moves the length by a fifth; the median of nine draws is judged.
     """
     rng = np.random.default_rng(seed)
-    long = [ar1(rng, 1500, rho), ar1(rng, 1500, rho)]
-    block = common_block([[*long, *(ar1(rng, n, rho) for n in shorts)]])
-    assert block == pytest.approx(common_block([long]), rel=0.2, abs=2)
+    ratios = []
+    for _ in range(9):
+        long = [ar1(rng, 1500, rho), ar1(rng, 1500, rho)]
+        block = common_block([[*long, *(ar1(rng, n, rho) for n in shorts)]])
+        ratios.append(block / common_block([long]))
+    assert np.median(ratios) == pytest.approx(1.0, abs=0.06)
 
 
 @given(
