@@ -1,4 +1,8 @@
-"""Sentences: how a text begins within one, and as one."""
+"""Sentences: how a text begins within one, and as one, and how parts are joined in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
 
 
 def lowered(text: str) -> str:
@@ -9,3 +13,15 @@ def lowered(text: str) -> str:
 def sentence(text: str) -> str:
     """The text with a capital letter and a full stop."""
     return f"{text[:1].upper()}{text[1:]}."
+
+
+def listed(parts: Iterable[str], *, last: str = " and ") -> str:
+    """Parts joined as in a sentence.
+
+    Examples
+    --------
+    >>> listed(["a"]), listed(["a", "b"]), listed(["a", "b", "c"], last=" or ")
+    ('a', 'a and b', 'a, b or c')
+    """
+    *first, end = list(parts) or [""]
+    return f"{', '.join(first)}{last}{end}" if first else end

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from softid.errors import UsageError
+from softid.sentences import listed
 
 if TYPE_CHECKING:
     from softid.log import Log
@@ -62,7 +63,7 @@ def print_profiles(result: FitResult, profiles: Mapping[str, ProfileResult]) -> 
             side for side, end in zip(("below", "above"), profile.ci95, strict=True) if end is None
         ]
         if open_sides:
-            text += f", open {' and '.join(open_sides)}: the logs set no limit there"
+            text += f", open {listed(open_sides)}: the logs set no limit there"
         if profile.better_value is not None:
             text += f"; a better fit lies near {profile.better_value:.4g}, so fit again from there"
         print_text(text)

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from softid.errors import UsageError
+from softid.sentences import listed
 from softid_cli.console import progress, say
 from softid_cli.hiding import HideRequest, hide_effects, split_names
 from softid_cli.model_options import model_option
@@ -79,7 +80,7 @@ class SynthesizeRequest:
                 raise UsageError(
                     "effects are hidden in new logs, not in recipes or checks",
                     where="--hide",
-                    remedy=f"leave out {' and '.join(beside)}",
+                    remedy=f"leave out {listed(beside)}",
                 )
         elif self.of_hiding:
             raise UsageError(
@@ -93,7 +94,7 @@ class SynthesizeRequest:
                 raise UsageError(
                     "a check takes the seeds from the manifest and writes nothing",
                     where="--check",
-                    remedy=f"leave out {' and '.join(given)}",
+                    remedy=f"leave out {listed(given)}",
                 )
 
 

@@ -22,6 +22,7 @@ from softid.results import (
     ParameterEstimate,
     Validation,
 )
+from softid.sentences import listed
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -133,7 +134,7 @@ def _worded(value: str) -> str:
         return "no"
     names = [name.strip() for name in value.split(",")]
     stems = [_stem_and_unit(name)[0] if "_" in name else name for name in names]
-    return " and ".join((", ".join(stems[:-1]), stems[-1])) if len(stems) > 1 else stems[0]
+    return listed(stems)
 
 
 def _stem_and_unit(name: str) -> tuple[str, str]:

@@ -14,6 +14,7 @@ from softid.effects.catalogue import EFFECTS
 from softid.effects.scale import Scale
 from softid.errors import UsageError
 from softid.parameters import ParameterSet
+from softid.sentences import listed
 
 Kind = TypeVar("Kind", bound=type[Effect])
 
@@ -129,7 +130,7 @@ def _check_words(effect: Effect, where: str) -> None:
     missing += [name for name in WORDS if name not in missing and not getattr(effect, name)]
     if missing:
         raise UsageError(
-            f"{' and '.join(missing)} must be said",
+            f"{listed(missing)} must be said",
             where=where,
             remedy="set it as a class attribute; `softid effects delay` shows what it is for",
         )

@@ -12,6 +12,7 @@ from softid.identification.input_denoising import input_noise_sd
 from softid.identification.parameter_covariance import Errors
 from softid.log import Log, LogSet
 from softid.results import FitResult, FitStatistics, ParameterEstimate
+from softid.sentences import listed
 from softid.uncertainty import Covariance
 from softid.uncertainty.incomplete_beta import r_squared_tail
 
@@ -144,7 +145,7 @@ def extrapolation(
     return Issue(
         "extrapolation",
         "warning",
-        f"{log.name}: {channel} reaches {' and '.join(reached)} {unit}, and {share} of the "
+        f"{log.name}: {channel} reaches {listed(reached)} {unit}, and {share} of the "
         f"samples lie outside the fitted {low:.4g} to {high:.4g} {unit}: this is extrapolation",
         f"fit a log that covers {' to '.join(reached)} {unit}",
     )

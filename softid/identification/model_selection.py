@@ -17,6 +17,7 @@ from softid.identification.preparation import adapted_model, named_model, requir
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
+from softid.sentences import listed
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -142,7 +143,7 @@ def choose_model(
         candidates = [model for model in candidates if model.states]
     if not candidates:
         raise UsageError(
-            f"no model explains {' and '.join(logs.outputs)} from {logs.input} as it stands",
+            f"no model explains {listed(logs.outputs)} from {logs.input} as it stands",
             value="; ".join(refused) or None,
             remedy=_SEVERAL if len(logs.outputs) > 1 else _OTHERS,
         )
@@ -198,7 +199,7 @@ def _best(candidates: Sequence[Model], refused: Sequence[str], logs: LogSet) -> 
     best: _Draft | None = None
     for k, model in enumerate(candidates):
         if best is not None and is_unpredictable(best.errors):
-            names = " and ".join(m.label for m in candidates[k:])
+            names = listed(m.label for m in candidates[k:])
             untold.append(f"what {best.model.label} leaves over is white, so {names} cannot gain")
             break
         try:
@@ -329,6 +330,6 @@ def _reason(best: _Draft, drafts: Sequence[_Draft], untold: Sequence[str], logs:
     def shown(draft: _Draft) -> str:
         return f"{draft.rmse * channel.display_factor:.3g} {channel.display_unit}"
 
-    others = " and ".join(f"{shown(d)} ({d.model.label})" for d in drafts if d is not best)
+    others = listed(f"{shown(d)} ({d.model.label})" for d in drafts if d is not best)
     told = f"{best.model.label}: error on blocks left out of the fit {shown(best)}"
     return "; ".join((f"{told}, against {others}" if others else told, *untold))

@@ -20,6 +20,7 @@ from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
 from softid.quality import dropout_mask, misleading_channels
+from softid.sentences import listed
 
 SMALLEST_RELATIVE_SPAN = 1e-9
 """An input that moves less than this part of its size is constant but for rounding."""
@@ -109,7 +110,7 @@ def without_dropouts(log: Log) -> Log:
     issue = Issue(
         "repeated-output",
         "info",
-        f"{log.name}: {' and '.join(log.outputs)} repeats each reading for about "
+        f"{log.name}: {listed(log.outputs)} repeats each reading for about "
         f"{len(log) / (len(log) - int(repeated.sum())):.2g} samples; the repeats are left out of "
         "the residuals",
         "record all channels at one rate",
@@ -127,7 +128,7 @@ def _without_interpolated(log: Log) -> Log:
     issue = Issue(
         INTERPOLATED if readings is None else RECOVERED,
         "info",
-        f"{log.name}: {' and '.join(log.outputs)} is straight between readings, as after an "
+        f"{log.name}: {listed(log.outputs)} is straight between readings, as after an "
         f"interpolation to a faster clock; {rate_hz:.3g} "
         + ("samples" if readings is None else "readings")
         + " a second stay in the residuals",

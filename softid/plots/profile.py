@@ -24,6 +24,7 @@ from softid.plots.canvas import (
     finish,
     new_figure,
 )
+from softid.sentences import listed
 
 Array = npt.NDArray[np.float64]
 
@@ -107,7 +108,7 @@ def draw_profile(
         handles.append(Patch(facecolor=PALE, edgecolor=FAINT, label="95 % interval"))
         open_sides = [w for w, end in zip(("below", "above"), ci95, strict=True) if end is None]
         if open_sides:
-            remark = f"open {' and '.join(open_sides)}: the logs set no limit there"
+            remark = f"open {listed(open_sides)}: the logs set no limit there"
             handles.append(Line2D([], [], ls="none", label=remark))
     finish(figure, f"Profile of {name}", handles, rows=2)
     return figure

@@ -13,6 +13,7 @@ from softid.intersample import course_at
 from softid.log import stall_of
 from softid.readers.base import Array, IntArray
 from softid.readers.samples import Samples
+from softid.sentences import listed
 
 MERGED_ROWS = "merged-rows"
 """Code of the remark that a file has the rows of two recorders."""
@@ -95,7 +96,7 @@ def with_input_between(samples: Samples, *, input: str, outputs: Sequence[str]) 
     issue = Issue(
         MERGED_ROWS,
         "info",
-        f"{samples.where}: {alone.size} rows have {' and '.join(outputs)} without {input}, the "
+        f"{samples.where}: {alone.size} rows have {listed(outputs)} without {input}, the "
         f"first in {samples.row(int(alone[0]))}; there the {input} is taken as smooth between its "
         "readings, and as straight where it jumps",
     )

@@ -18,6 +18,7 @@ from typing import (
 )
 
 from softid.errors import InputError, refuse_unknown
+from softid.sentences import listed
 
 R = TypeVar("R", bound="Checked")
 
@@ -50,7 +51,7 @@ class Range:
             parts.append(f"at least {self.lower:g}")
         if self.upper < inf:
             parts.append(f"at most {self.upper:g}")
-        return " and ".join(parts) or "finite"
+        return listed(parts) or "finite"
 
 
 Positive = Annotated[float, Range(above=0.0)]

@@ -16,6 +16,7 @@ from softid.diagnosis.residual.assessment import assess
 from softid.errors import Issue
 from softid.log import LogSet
 from softid.models.base import Model
+from softid.sentences import listed
 
 FEWEST_LOGS = 3
 """With two logs one that is left out is predicted from one alone."""
@@ -96,7 +97,7 @@ def reduced_base_issues(base: BaseFit, *, unit: str, factor: float) -> tuple[Iss
     asked_for, reduced = base.instead_of.candidate, base.candidate
     before, after = (factor * base.held_out.rms(model) for model in (asked_for, reduced))
     dropped = set(asked_for.problem.free) - set(reduced.problem.free)
-    names = " and ".join(sorted(dropped))
+    names = listed(sorted(dropped))
     return (
         Issue(
             "plainer-base",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, listed, title_of, titles_of
+from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of
 from softid.diagnosis.report.rest_phrases import variables_left
 from softid.diagnosis.report.splits import split_in_words, why_tied_here
 from softid.diagnosis.residual.disturbances import CODES
@@ -28,7 +28,7 @@ from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.models import MODELS
 from softid.results import FitResult
-from softid.sentences import lowered
+from softid.sentences import listed, lowered
 
 MOST_TIED = 4
 """Most causes of a tie that a sentence names, the last among them, which may stand for others; the
@@ -121,7 +121,7 @@ def why_tied(
     known = law_that_ties(alternative, linear=linear)
     if known is not None:
         own = own_times(known, extended) if extended is not None else ()
-        here = f", here {' and '.join(own)}" if own else ""
+        here = f", here {listed(own)}" if own else ""
         return f"{known.why}{here}{SPLITS}{known.splits}."
     return why_tied_here(alternative.keys, held, alike=are_alike(alternative))
 
@@ -354,5 +354,5 @@ def _to_see_more(remainder: Remainder) -> str:
         return f"record the same for longer, to see how it goes on{rest}"
     varied = [VARIATIONS[name] for name in left if name in VARIATIONS]
     if varied:
-        return f"repeat these logs with {' and '.join(varied)}{rest}"
+        return f"repeat these logs with {listed(varied)}{rest}"
     return f"record the same path once slowly and once fast{rest}"

@@ -8,18 +8,11 @@ from collections.abc import Sequence
 from softid.diagnosis.report.ambiguity import is_linear, is_linear_beside, told_as_tied
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.evidence_text import evidence_text
-from softid.diagnosis.report.phrases import (
-    listed,
-    named_whole,
-    title_of,
-    told_apart,
-    unsteady,
-    values_of,
-)
+from softid.diagnosis.report.phrases import named_whole, title_of, told_apart, unsteady, values_of
 from softid.diagnosis.verdict.equivalence import EquivalenceClass, classes_of
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Alternative, Cause, Evidence, Remainder, cause_before
-from softid.sentences import lowered
+from softid.sentences import listed, lowered
 
 COUNTS = {2: "Two", 3: "Three", 4: "Four", 5: "Five", 6: "Six"}
 """Numbers of causes as a sentence begins with them."""

@@ -31,12 +31,13 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.report.difference_texts import APART, LOG_DIFFERENCES, DifferenceTexts
-from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.report.phrases import percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
 from softid.effects.scale import Scale
 from softid.errors import IdentificationError, InputError, Issue
 from softid.log import Log
+from softid.sentences import listed
 
 Array = npt.NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnosis.report.phrases import doubt_about, listed
+from softid.diagnosis.report.phrases import doubt_about
 from softid.diagnosis_results import Cause, Doubt
-from softid.sentences import lowered
+from softid.sentences import listed, lowered
 
 LARGE_PART = 0.85
 """What leaves less than this share of the error on what is held out is no small part of it."""

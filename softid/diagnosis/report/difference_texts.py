@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from softid.diagnosis.changes.log_differences import SIGN, ZERO, LogDifferences
-from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.report.phrases import percent
 from softid.errors import Issue
 from softid.fitters.problem import Problem
 from softid.log import Log
+from softid.sentences import listed
 
 LOG_DIFFERENCES = "logs-differ"
 """Code of the remark that a misfit is a difference between logs."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from softid.diagnosis.report.phrases import listed, percent_range
+from softid.diagnosis.report.phrases import percent_range
 from softid.diagnosis.report.rest_phrases import with_open_moments
 from softid.diagnosis.verdict.held_out_error import ASTRAY, spread_of
 from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult
+from softid.sentences import listed
 
 MUCH_MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""

@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 
 from softid.diagnosis.report.error_texts import ErrorTexts
-from softid.diagnosis.report.phrases import listed, neighbours_of, title_of, titles_of
+from softid.diagnosis.report.phrases import neighbours_of, title_of, titles_of
 from softid.diagnosis_results import Alternative, Cause, Evidence
 from softid.effects import EFFECTS
+from softid.sentences import listed
 
 MOST_CONFUSED = 3
 """Most effects that a sentence lists as easily confused; `softid effects NAME` lists all."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks
-from softid.diagnosis.report.phrases import DOUBTS, listed, percent
+from softid.diagnosis.report.phrases import DOUBTS, percent
 from softid.diagnosis.report.rest_phrases import OF_INPUT
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
@@ -20,7 +20,7 @@ from softid.fitters.problem import Problem
 from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
 from softid.log import Log
 from softid.results import FitResult
-from softid.sentences import lowered
+from softid.sentences import listed, lowered
 from softid.uncertainty import standard_error
 
 REFUSED = "not-held-out"

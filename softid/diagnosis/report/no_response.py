@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.phrases import listed
 from softid.diagnosis.verdict.no_response import NoResponse
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
+from softid.sentences import listed
 
 NO_RESPONSE = "no-response"
 """Code of the remark that an output does not answer to the input."""

@@ -19,7 +19,7 @@ from softid.diagnosis.report.changes import (
 from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
 from softid.diagnosis.report.held_excitation import held_experiments, is_held
 from softid.diagnosis.report.other_model import UNASKED_MODEL
-from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.report.phrases import percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
 from softid.diagnosis.residual.one_step import is_one_step
@@ -35,7 +35,7 @@ from softid.diagnosis.verdict.unlisted_positions import PositionInertia
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.effects.base import Effect
 from softid.errors import Issue
-from softid.sentences import lowered
+from softid.sentences import listed, lowered
 
 UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
 """Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""

@@ -12,7 +12,7 @@ from softid.diagnosis_results import CARRIED, Cause, Doubt, Remainder
 from softid.effects import EFFECTS, confusable_with
 from softid.interval_words import value_in_words
 from softid.results import ParameterEstimate
-from softid.sentences import lowered, sentence
+from softid.sentences import listed, lowered, sentence
 from softid.uncertainty.profile import CI_METHOD as PROFILE
 
 VARIABLE_WORDS = {
@@ -88,11 +88,6 @@ def named_whole(cause: Cause, *, linear: bool) -> str:
     for known in classes_of([cause.key], linear=linear):
         return listed(known.members, last=" or ")
     return lowered(cause.title)
-
-
-def listed(parts: Sequence[str], *, last: str = " and ") -> str:
-    """Parts joined as in a sentence."""
-    return last.join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
 
 
 def told_apart(parts: Sequence[str]) -> str:

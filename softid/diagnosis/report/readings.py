@@ -10,6 +10,7 @@ from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.interval_words import number_in_words
 from softid.results import FitResult, ParameterEstimate
+from softid.sentences import listed
 
 TOLD_READING = "told-reading"
 """Code of the remark that says at which reading a cause acts."""
@@ -58,7 +59,7 @@ def _told(cause: Cause, extended: FitResult) -> Issue | None:
             f"{_as_read(p, zero, row.display_factor)} {row.display_unit} in {log}"
             for log, zero in zeros.items()
         ]
-        parts.append(f"{name} is a reading of {' and '.join(where)}")
+        parts.append(f"{name} is a reading of {listed(where)}")
     if not parts:
         return None
     return Issue(TOLD_READING, "info", f"{cause.key}: {'; '.join(parts)}")

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.report.phrases import percent
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 from softid.quality.wording import NAMED
+from softid.sentences import listed
 
 FOLLOWS_SECOND_INPUT = "follows-second-input"
 """Code of the remark that a misfit goes with another channel."""

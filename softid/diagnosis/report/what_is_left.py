@@ -10,7 +10,6 @@ from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.phrases import (
     VARIABLE_WORDS,
     doubt_about,
-    listed,
     percent,
     percent_below,
     taken_by,
@@ -29,7 +28,7 @@ from softid.diagnosis.report.rest_phrases import (
     with_open_moments,
 )
 from softid.diagnosis_results import NOTABLE, Alternative, Cause, Remainder
-from softid.sentences import lowered, sentence
+from softid.sentences import listed, lowered, sentence
 
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
@@ -185,7 +184,7 @@ class WhatIsLeft:
             told += "is more than the noise between neighbouring samples"
             known = ", and follows from no variable that was looked at: "
             told += "" if self.is_told else known + what_it_may_be(remainder)
-        return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
+        return f"{told}; most of it from {listed(named)}." if named else f"{told}."
 
 
 def _not_told_apart(tie: Alternative) -> str:

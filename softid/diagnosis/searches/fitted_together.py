@@ -8,7 +8,6 @@ right model leaves noise on both, and nothing of it is missing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +23,7 @@ from softid.diagnosis.verdict.held_out_error import OTHER_LOG
 from softid.diagnosis_results import Remainder
 from softid.errors import Issue
 from softid.log import LogSet
+from softid.sentences import listed
 
 TOLD_TOGETHER = "told-together"
 """Code of the remark that only what is held out tells some parameters."""
@@ -154,7 +154,7 @@ def _names_and_size(base: BaseFit, rms: float) -> tuple[str, str, str]:
     channel = problem.logs[0].channels[problem.outputs[0]]
     size = f"{rms * channel.display_factor:.3g} {channel.display_unit}"
     logs = problem.logs, base.identified.hold_out
-    fitted, held = (_listed([log.name for log in own]) for own in logs)
+    fitted, held = (listed([log.name for log in own]) for own in logs)
     return fitted, held, size
 
 
@@ -171,7 +171,3 @@ def _differs(base: BaseFit, together: Candidate, name: str) -> bool:
 
 def _before(base: BaseFit, name: str) -> str:
     return f"{base.candidate.parameters[name]:.3g}" if _is_seen(base, name) else "could not be seen"
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
