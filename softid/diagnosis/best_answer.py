@@ -9,6 +9,7 @@ from itertools import islice
 
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.changes.held_out_difference import held_out_difference
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.issues import unsure_issues
@@ -18,7 +19,7 @@ from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.searches.cause_search import CauseSearch
-from softid.diagnosis.searches.fitted_together import fitted_together
+from softid.diagnosis.searches.fitted_together import Together, fitted_together
 from softid.diagnosis.searches.over_plainer_models import ModelSearch, OtherModel, PlainerModels
 from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.smoothed_record import smoothed_alone
@@ -38,6 +39,10 @@ CURVES = ("static_curve", "dead_zone")
 
 MOST_RIVALS = 2
 """Rivals that are tried in the place of a cause whose numbers refuse its name."""
+
+CHANGE_LEAVES = 0.25
+"""Share of what the base, fitted to all logs, leaves on those held out that a number which differs
+there may leave: the true one leaves noise, others help as parameters do that are fitted to both."""
 
 HOLLOW = 3
 """A model of which so many parameters are not identified beside its causes may be a plainer one."""
@@ -69,8 +74,10 @@ def best_answer(
     if together is not None and together.alone is not None:
         return _with_issues(_answer(together.alone, search), (together.issue,))
     best = _over_best_model(recordings, request, search, others, is_in_doubt=is_in_doubt)
-    if together is not None and not _says_what_it_is(best[0]):
-        return _with_issues((as_unknown(best[0]), *best[1:]), (together.issue,))
+    if together is not None:
+        best = _without_lesser_change(best, together)
+        if not _says_what_it_is(best[0]):
+            return _with_issues((as_unknown(best[0]), *best[1:]), (together.issue,))
     if best[0].verdict is not Verdict.UNKNOWN:
         return best
     told = unasked_model_issues(recordings, request, search, best[2])
@@ -79,8 +86,26 @@ def best_answer(
 
 def _says_what_it_is(answer: Diagnosis) -> bool:
     """Whether there is a cause, a description, or a number in which what is held out differs."""
-    differs = any(issue.code == HELD_OUT_CHANGE for issue in answer.issues)
-    return differs or bool(answer.causes or answer.descriptive)
+    return _tells_change(answer) or bool(answer.causes or answer.descriptive)
+
+
+def _tells_change(answer: Diagnosis) -> bool:
+    return any(issue.code == HELD_OUT_CHANGE for issue in answer.issues)
+
+
+def _without_lesser_change(answered: Answered, together: Together) -> Answered:
+    """The same, but no number differs in what is held out if parameters make up for nearly as much.
+
+    Those are the base's, fitted to all logs; what is missing from it would be told as a change.
+    """
+    answer, base, final = answered
+    if final.effects or not _tells_change(answer):
+        return answered
+    differs = held_out_difference(final, answer.remainder, base.held_out, base.scale)
+    if differs is None or 1.0 - differs.share <= CHANGE_LEAVES * (1.0 - together.share):
+        return answered
+    kept = tuple(issue for issue in answer.issues if issue.code != HELD_OUT_CHANGE)
+    return replace(answer, issues=kept), base, final
 
 
 def _over_best_model(

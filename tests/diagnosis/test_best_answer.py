@@ -11,6 +11,8 @@ from handmade_diagnosis import diagnosis
 
 from softid.diagnosis import best_answer as module
 from softid.diagnosis.best_answer import best_answer
+from softid.diagnosis.changes.log_differences import LogDifferences
+from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, Together
 from softid.diagnosis.searches.over_plainer_models import ModelSearch
 from softid.diagnosis_results import Diagnosis, Verdict
@@ -75,6 +77,7 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
     assert (found is rich) is is_rich
 
 
+BARE: Any = SimpleNamespace(effects=())
 REFUTED = Together(None, Issue(NOT_TOGETHER, "warning", "no parameters follow both"))
 
 
@@ -94,8 +97,30 @@ def test_a_base_that_follows_no_two_logs_at_once_is_not_adequate(
     """Unsure parameters would explain what is missed; a cause that is named explains it better."""
     search: Any = SimpleNamespace(explained_by_moments=lambda: None)
     monkeypatch.setattr(module, "fitted_together", lambda *args: REFUTED)
-    monkeypatch.setattr(module, "_over_best_model", lambda *args, **kwargs: (found, None, None))
+    monkeypatch.setattr(module, "_over_best_model", lambda *args, **kwargs: (found, None, BARE))
     monkeypatch.setattr(module, "unasked_model_issues", lambda *args: ())
     told, _, _ = best_answer(NOTHING, NOTHING, search, NOTHING, is_in_doubt=False)
     assert told.verdict is verdict
     assert (REFUTED.issue in told.issues) is is_told
+
+
+@pytest.mark.parametrize(
+    ("refitted", "is_told"), [(0.6, True), (0.88, False)], ids=["a change", "as parameters do"]
+)
+def test_a_change_takes_far_more_than_parameters_that_are_fitted_to_both(
+    refitted: float, is_told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A lag that a slow log hides leaves of a fast one what a drift takes 93 % of, and parameters
+    88 %: neither is it."""
+    change = Issue(HELD_OUT_CHANGE, "warning", "the drift of the reading changes")
+    found = replace(answer(Verdict.UNKNOWN, structured=True), descriptive=(), issues=(change,))
+    search: Any = SimpleNamespace(explained_by_moments=lambda: None)
+    base = SimpleNamespace(held_out=None, scale=None)
+    monkeypatch.setattr(module, "fitted_together", lambda *args: replace(REFUTED, share=refitted))
+    monkeypatch.setattr(module, "_over_best_model", lambda *args, **kwargs: (found, base, BARE))
+    monkeypatch.setattr(
+        module, "held_out_difference", lambda *args: LogDifferences(("drift",), (-0.33,), 0.93)
+    )
+    monkeypatch.setattr(module, "unasked_model_issues", lambda *args: ())
+    told, _, _ = best_answer(NOTHING, NOTHING, search, NOTHING, is_in_doubt=False)
+    assert told.issues == ((change,) if is_told else (REFUTED.issue,))

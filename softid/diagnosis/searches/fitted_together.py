@@ -45,10 +45,13 @@ class Together:
         The base alone, if the fit leaves noise on all logs; None where it leaves more.
     issue
         The remark that says so.
+    share
+        Share that the fit to all takes away of what the base leaves there beyond noise.
     """
 
     alone: SearchResult | None
     issue: Issue
+    share: float = 1.0
 
 
 def fitted_together(
@@ -82,7 +85,8 @@ def fitted_together(
     model = whole.base.candidate
     rms = held_out.rms(model)
     if whole.remainder_of(model).structured:
-        return Together(None, not_together(base, rms))
+        share = _share_taken(held_out, base.candidate, model, left.noise_power)
+        return Together(None, not_together(base, rms), share)
     alone = whole.without_causes()
     if alone is None or alone.remainder.open_jumps or not _is_noise(held_out, model, left):
         return None
@@ -95,6 +99,12 @@ def _is_noise(held_out: HeldOutLogs, model: Candidate, left: Remainder) -> bool:
     runs = held_out.runs(model)
     noise = max(left.noise_power, fastest_part(runs).variance)
     return mean_power(runs) <= OTHER_LOG * noise
+
+
+def _share_taken(held_out: HeldOutLogs, before: Candidate, after: Candidate, noise: float) -> float:
+    """Share of what one model leaves beyond noise that another does not."""
+    least, most = (mean_power([held_out.first_errors(c)]) - noise for c in (after, before))
+    return 1.0 - least / most
 
 
 def not_together(base: BaseFit, rms: float) -> Issue:
