@@ -19,7 +19,11 @@ from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.searches.cause_search import CauseSearch
-from softid.diagnosis.searches.fitted_together import Together, fitted_together
+from softid.diagnosis.searches.fitted_together import (
+    Together,
+    causes_fitted_together,
+    fitted_together,
+)
 from softid.diagnosis.searches.over_plainer_models import ModelSearch, OtherModel, PlainerModels
 from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.smoothed_record import smoothed_alone
@@ -78,10 +82,28 @@ def best_answer(
         best = _without_lesser_change(best, together)
         if not _says_what_it_is(best[0]):
             return _with_issues((as_unknown(best[0]), *best[1:]), (together.issue,))
+    if best[0].verdict is Verdict.PARTIAL:
+        return _named_if_told_together(best, recordings, request, search)
     if best[0].verdict is not Verdict.UNKNOWN:
         return best
     told = unasked_model_issues(recordings, request, search, best[2])
     return _with_issues(best, told) if told else best
+
+
+def _named_if_told_together(
+    answered: Answered, recordings: Recordings, request: Request, search: CauseSearch
+) -> Answered:
+    """The same; named where only parameters were off on what is held out, beside what is named."""
+    answer, base, final = answered
+    if answer.descriptive or not answer.remainder.misses_held_out:
+        return answered
+    over = replace(search, base=base)
+    told = causes_fitted_together(recordings, request, over, final, answer.remainder)
+    if told is None:
+        return answered
+    left = replace(answer.remainder, misses_held_out=False)
+    named = replace(answer, verdict=Verdict.NAMED, remainder=left)
+    return _with_issues((named, base, final), (told,))
 
 
 def _says_what_it_is(answer: Diagnosis) -> bool:

@@ -8,12 +8,14 @@ from typing import Any
 
 import pytest
 from handmade_diagnosis import diagnosis
+from handmade_searches import base_fit, search_over
 
 from softid.diagnosis import best_answer as module
 from softid.diagnosis.best_answer import best_answer
 from softid.diagnosis.changes.log_differences import LogDifferences
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
-from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, Together
+from softid.diagnosis.searches.cause_search import CauseSearch
+from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER, Together
 from softid.diagnosis.searches.over_plainer_models import ModelSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
@@ -124,3 +126,33 @@ def test_a_change_takes_far_more_than_parameters_that_are_fitted_to_both(
     monkeypatch.setattr(module, "unasked_model_issues", lambda *args: ())
     told, _, _ = best_answer(NOTHING, NOTHING, search, NOTHING, is_in_doubt=False)
     assert told.issues == ((change,) if is_told else (REFUTED.issue,))
+
+
+TOLD = Issue(TOLD_TOGETHER, "warning", "nothing else is missing")
+MISSES = replace(PLAIN_CREEP, remainder=replace(PLAIN_CREEP.remainder, misses_held_out=True))
+
+
+@pytest.mark.parametrize(
+    ("found", "told", "verdict"),
+    [
+        (MISSES, TOLD, Verdict.NAMED),
+        (MISSES, None, Verdict.PARTIAL),
+        (replace(MISSES, descriptive=MISSES.causes), TOLD, Verdict.PARTIAL),
+        (PLAIN_CREEP, TOLD, Verdict.PARTIAL),
+    ],
+    ids=["told together", "not together", "described", "no worse on what is held out"],
+)
+def test_a_cause_is_all_where_a_fit_to_all_logs_leaves_noise(
+    found: Diagnosis, told: Issue | None, verdict: Verdict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a cause leaves on what is held out alone may come from parameters that are off."""
+    monkeypatch.setattr(module, "fitted_together", lambda *args: None)
+    monkeypatch.setattr(module, "_over_best_model", lambda *args, **kwargs: (found, None, BARE))
+    monkeypatch.setattr(module, "causes_fitted_together", lambda *args: told)
+    search = search_over(base_fit())
+    monkeypatch.setattr(CauseSearch, "explained_by_moments", lambda self: None)
+    answered, _, _ = best_answer(NOTHING, NOTHING, search, NOTHING, is_in_doubt=False)
+    assert answered.verdict is verdict
+    assert (TOLD in answered.issues) is (verdict is Verdict.NAMED)
+    misses = found.remainder.misses_held_out and verdict is Verdict.PARTIAL
+    assert answered.remainder.misses_held_out is misses

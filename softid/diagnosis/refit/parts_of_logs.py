@@ -53,14 +53,31 @@ def refitted(
         )
     guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])
     starts = [known.parameters, *(guess.values_dict() for guess in guesses[:1])]
-    ends = []
-    for start in starts:
-        end, before = begun(known, known.effects, problem, problem.unknowns(start)), np.inf
-        while end.squares < SETTLED_SHARE * before:  # the prior gets lighter as the residual does
-            before = end.squares
-            end = advance(end, sigma, evaluations, substeps=EXACT)
-        ends.append(end)
-    return min(ends, key=lambda end: end.squares)
+    begins = [begun(known, known.effects, problem, problem.unknowns(start)) for start in starts]
+    return best_settled(begins, sigma, evaluations)
+
+
+def best_settled(
+    begins: Sequence[Candidate], sigma: Mapping[str, float], evaluations: int
+) -> Candidate:
+    """The best end of refits, each of which goes on while the prior gets lighter with the residual.
+
+    Parameters
+    ----------
+    begins
+        One candidate at several starts.
+    sigma, evaluations
+        As in `advance`.
+    """
+
+    def settled(one: Candidate) -> Candidate:
+        before = np.inf
+        while one.squares < SETTLED_SHARE * before:
+            before = one.squares
+            one = advance(one, sigma, evaluations, substeps=EXACT)
+        return one
+
+    return min(map(settled, begins), key=lambda end: end.squares)
 
 
 def white_standard_errors(one: Candidate) -> Array:

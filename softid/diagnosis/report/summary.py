@@ -141,7 +141,8 @@ def _with_names(
     told.append(left.teller.mended((*causes, *descriptive)))
     is_partial = found.verdict is Verdict.PARTIAL and not descriptive
     is_partial = is_partial or found.remainder.leaves_something
-    told += left.by_partial() if is_partial else left.by_named()
+    instead = sentence(remarks.instead) if remarks.instead else ""
+    told += left.by_partial() if is_partial else left.by_named(instead)
     told += map(sentence, remarks.elements)  # of which nothing is in the errors that were told
     told += map(sentence, remarks.held_out_changes)
     return told

@@ -151,11 +151,20 @@ class WhatIsLeft:
         looks = f"What is left on the fitted samples, {self.size} rms, {self.nature}."
         return [f"{explained}.", looks, more]
 
-    def by_named(self) -> list[str]:
-        """Sentences where causes leave noise."""
+    def by_named(self, instead: str = "") -> list[str]:
+        """Sentences where causes leave noise.
+
+        Parameters
+        ----------
+        instead
+            What stands in the place of what is said of the held-out samples, if anything does.
+        """
         looks = "does not follow from the motion" if self.is_told else self.nature
         told = f"What the fit leaves, {self.size} rms, {looks}."
-        return [told, self.teller.more_held_out(self.remainder, is_tied=bool(self.alternatives))]
+        return [
+            told,
+            instead or self.teller.more_held_out(self.remainder, is_tied=bool(self.alternatives)),
+        ]
 
     def _more_than_noise(self, but: str = "") -> str:
         """What is left, where that is more than noise, and what it may be unless that is told.
