@@ -43,7 +43,9 @@ def bootstrap_parameters(
     √[n/(n − U)] for the U unknowns that were fitted to them, in blocks as long as their memory asks
     for; blocks of several outputs are drawn at the same places. Unlike errors from the covariance
     the intervals follow a response that bends within them. They hold as far as the residuals are
-    noise: what the model gets wrong is drawn again as if it were.
+    noise: what the model gets wrong is drawn again as if it were. The input stays as it was
+    recorded: its noise, which `fit` and `profile_parameter` allow for, is in none of the draws, so
+    where `fit` says that it matters (issue ``noisy-input``) its own intervals are the ones to use.
 
     Parameters
     ----------
