@@ -38,6 +38,7 @@ from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.report.timing import timing_issues
 from softid.diagnosis.searches.over_plainer_models import plainer_model_issues
 from softid.diagnosis.verdict.no_response import no_response
 from softid.diagnosis.verdict.revision import (
@@ -199,6 +200,7 @@ def _remarks(answer: Diagnosis, case: Circumstances) -> Diagnosis:
         *input_noise_issues(left, problem, case.request.gauges),
         *joint_cause_issues(answer),
         *reading_issues(answer),
+        *(timing_issues(answer, case.final) if case.averaged == 1 else ()),
     )
     return replace(answer, issues=(*answer.issues, *issues))
 

@@ -26,6 +26,7 @@ from softid.diagnosis.report.other_explanations import (
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
+from softid.diagnosis.report.timing import UNCERTAIN_TIMES
 from softid.diagnosis.residual.disturbances import CODES, SPECTRAL_LINE
 from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER
 from softid.diagnosis.searches.smoothed_record import SMOOTHED_RECORD
@@ -38,7 +39,14 @@ WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE, UNASKED_MODEL, NOT_T
 ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
 """Codes of remarks on the logs that belong into every paragraph."""
 
-MARKS = (*CODES, LIKE_UNLISTED_LAW, *OF_REST, CLIPPED_INPUT, *OF_RECORDED_INPUT)
+MARKS = (
+    *CODES,
+    LIKE_UNLISTED_LAW,
+    *OF_REST,
+    CLIPPED_INPUT,
+    *OF_RECORDED_INPUT,
+    UNCERTAIN_TIMES,
+)
 """Codes of remarks on what is left, which say what it is or may be."""
 
 INSTEAD = (NEGLIGIBLE_MISFIT, SMOOTHED_RECORD, TOLD_TOGETHER)

@@ -18,6 +18,7 @@ from softid.diagnosis.report.issues import BEGUN_ANEW
 from softid.diagnosis.report.phrases import given_up
 from softid.diagnosis.report.remarks import Remarks
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
+from softid.diagnosis.report.timing import UNCERTAIN_TIMES
 from softid.diagnosis.report.what_is_left import WhatIsLeft
 from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER
 from softid.diagnosis_results import Diagnosis, Verdict, dropped_from
@@ -52,6 +53,7 @@ def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagn
             in_blocks=judged_by_blocks(found.gains),
             held=held,
         )
+        or _remedy_of(found, UNCERTAIN_TIMES)
     )
     told = replace(found, alternatives=alternatives, next_experiment=following)
     return replace(told, summary=summarise(told, Remarks.of(told)))
