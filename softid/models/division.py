@@ -39,6 +39,13 @@ SMOOTH_STEPS = 2.0
 """Steps in the shortest time in which what arrives bends from which on it hardly does within one:
 four nodes of a step then show the same as sixteen to 1e-4 of a jump of the input."""
 
+DIVIDED_FURTHER = 1.25
+"""Times as many steps in which a log may be taken so that all of them are short enough for few
+nodes: a clock that jitters leaves few intervals so long, and a step costs more than a node."""
+
+ROUNDING = 1e-6
+"""Steps that are longer by so small a share are so by the rounding of their times."""
+
 LONG = 50_000
 """Intervals from which on another thread divides half of them, which takes 0.1 ms."""
 
@@ -87,7 +94,7 @@ class Division:
     def nodes_per_step(self) -> int:
         """Nodes within a step at which effects on the input act."""
         longest = float(self.step_s.max(initial=0.0))
-        is_smooth = SMOOTH_STEPS * longest <= self.bends_in_s
+        is_smooth = SMOOTH_STEPS * longest <= self.bends_in_s * (1.0 + ROUNDING)
         return SMOOTH_NODES if is_smooth else NODES_PER_STEP
 
     @cached_property
@@ -223,6 +230,8 @@ def divided(
 ) -> Division:
     """Divide each sampling interval into a given number of equal steps.
 
+    Long intervals are divided further where that lets few nodes a step do, throughout the log.
+
     Parameters
     ----------
     time_s, u
@@ -232,4 +241,9 @@ def divided(
     bends_in_s
         As in `Division`.
     """
+    if 0.0 < bends_in_s < np.inf:
+        wanted = np.ceil(np.diff(time_s) * (SMOOTH_STEPS / bends_in_s) - ROUNDING)
+        short = np.maximum(counts, wanted)
+        if short.sum() <= DIVIDED_FURTHER * counts.sum():
+            counts = short
     return Division(held(time_s), held(u), counts.astype(np.int16), "radau", bends_in_s)

@@ -127,6 +127,19 @@ def test_few_nodes_show_what_hardly_bends(effect: InputEffect, eta: list[float])
     np.testing.assert_allclose(seen, expected, rtol=0.0, atol=1e-4 * 70.0)
 
 
+def test_a_few_long_intervals_ask_for_no_more_nodes_elsewhere() -> None:
+    """A computer that is busy now and then reads every 10 ms but for a tenth of a second: there is
+    a step more for each 10 ms, and where half of the intervals are so long there are more nodes."""
+    period_s = np.full(400, 0.01)
+    for longer, nodes in ((4, 4), (201, 16)):
+        period_s[:longer] = 0.1
+        time_s = np.cumsum(period_s)
+        plan = divided(time_s, time_s, np.ones(399, np.intp), bends_in_s=0.02)
+        assert plan.nodes_per_step == nodes
+        assert plan.steps == (399 + 9 * 3 if nodes == 4 else 399)
+        assert plan.step_s.sum() == pytest.approx(np.ptp(time_s))
+
+
 def test_a_delay_beside_a_lag_keeps_its_nodes() -> None:
     """Its corner may be anywhere."""
     s = segment()
