@@ -28,6 +28,7 @@ from softid.diagnosis.searches.over_plainer_models import ModelSearch, OtherMode
 from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.smoothed_record import smoothed_alone
 from softid.diagnosis.searches.strategy import Searched, search_causes, search_with_intersample
+from softid.diagnosis.searches.without_idle import without_idle
 from softid.diagnosis.verdict.revision import as_unknown, exchanged_causes, with_ties
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
@@ -230,12 +231,12 @@ def _answer(found: SearchResult, search: CauseSearch) -> Answered:
 
 
 def _answered(found: SearchResult, search: CauseSearch) -> Answered:
-    """The same, of the base alone where there may be nothing behind descriptions."""
+    """The same, without descriptions behind which there may be nothing, if that leaves noise."""
     search.report("computing errors", 0.9)
     answer, base, final = _answer(found, search)
-    is_unknown = answer.verdict is Verdict.UNKNOWN
-    if not is_unknown:
-        return answer, base, final
+    if answer.verdict is not Verdict.UNKNOWN:
+        kept = without_idle(found, search, answer.descriptive)
+        return _answer(kept, search) if kept else (answer, base, final)
     alone = search.alone_beside(answer.descriptive, answer.remainder)
     if alone is not None:
         return _with_issues(_answer(alone, search), unsure_issues(answer.descriptive))
