@@ -282,8 +282,8 @@ def _of_saturation(channel: ChannelReport) -> Iterator[Issue]:
             "saturation",
             "warning",
             f"{channel.name} saturates at {_shown(channel, flat.value)} "
-            f"({100 * flat.share:.2g} % of the samples, {flat.times} × from "
-            f"{flat.first_s:.2f} s, at most {flat.longest_s:.2f} s)",
+            f"({100 * flat.share:.2g} % of the samples, in runs of up to {flat.longest_s:.2f} s, "
+            f"the first of them at {flat.first_s:.2f} s)",
             "use a sensor or an amplifier with more range, or leave these samples out",
         )
 
