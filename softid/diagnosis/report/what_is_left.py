@@ -121,7 +121,9 @@ class WhatIsLeft:
                 share = percent(remainder.explained_share)
                 told.append(f"Of the effects in the catalogue, {names} {takes} away {share}.")
                 return told
-            told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
+            alone = f"The best description, {names}, takes"
+            best = alone if len(tried) == 1 else f"The best descriptions, {names}, together take"
+            told.append(f"{best} away {taken_by(remainder)}.")
             if remainder.explained_share >= WORTH_DOUBTS:
                 told += map(doubt_about, tried)
                 told += map(_not_told_apart, self.alternatives)

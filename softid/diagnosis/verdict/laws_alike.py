@@ -61,7 +61,7 @@ ONE_WAY = EquivalenceClass(
 HELD_INPUT = EquivalenceClass(
     ("a delay or a lag", UNLISTED["held_input"]),
     ("held_input",),
-    "So late, by half a sampling interval, is a valve that holds its value until the next sample",
+    "A valve that holds its value until the next sample is as late, by half a sampling interval",
     "the pressure at the actuator, several times as fast",
 )
 """A measured input that is taken as going straight is late by half of its interval."""
