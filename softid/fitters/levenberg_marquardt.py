@@ -47,13 +47,6 @@ LARGEST_DECREASE = 0.1
 """Factor by which an accepted step lowers the damping at most. Nielsen's is 1/3; a tenth, a
 judgement, forgets a rejected step sooner."""
 
-REJECTED_LENGTH = 0.5
-"""A step after which the cost has risen is followed by one of half the length at most: from next to
-no damping, Nielsen's growth of it would propose nearly the same step eight times."""
-
-ROUNDING = 1e-10
-"""Share of the cost by which rounding may raise it."""
-
 MOST_DAMPING = 1e30
 """Damping above which a rejected step ends the run, so that it cannot go on for ever: the growth
 doubles from rejection to rejection, and from the first damping about fifteen lead there."""
@@ -226,9 +219,6 @@ def minimise(
         elif damping > MOST_DAMPING:
             break
         else:
-            if not then.cost <= now.cost * (1.0 + ROUNDING):
-                shorter = REJECTED_LENGTH * _length((scale * step)[moving])
-                damping = _damping_for(now, moving, unit, damping, shorter) / growth
             damping, growth = damping * growth, growth * 2.0
     offset = offset_within(now, lower, upper, reach)
     return Minimum(z, now, used, offset, damping, used_up=used >= evaluations)
