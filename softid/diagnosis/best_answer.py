@@ -96,13 +96,15 @@ def _named_if_told_together(
 ) -> Answered:
     """The same; named where only parameters were off on what is held out, beside what is named."""
     answer, base, final = answered
-    if answer.descriptive or not answer.remainder.misses_held_out:
+    left = replace(answer.remainder, misses_held_out=False)
+    varies = any(cause.variation is not None for cause in answer.causes)
+    is_all = not (left.leaves_something or varies or answer.descriptive)
+    if not (is_all and answer.remainder.misses_held_out):
         return answered
     over = replace(search, base=base)
     told = causes_fitted_together(recordings, request, over, final, answer.remainder)
     if told is None:
         return answered
-    left = replace(answer.remainder, misses_held_out=False)
     named = replace(answer, verdict=Verdict.NAMED, remainder=left)
     return _with_issues((named, base, final), (told,))
 

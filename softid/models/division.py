@@ -243,7 +243,7 @@ def divided(
     """
     if 0.0 < bends_in_s < np.inf:
         wanted = np.ceil(np.diff(time_s) * (SMOOTH_STEPS / bends_in_s) - ROUNDING)
-        short = np.maximum(counts, wanted)
+        short = np.maximum(counts, np.minimum(wanted, np.iinfo(np.int16).max))
         if short.sum() <= DIVIDED_FURTHER * counts.sum():
             counts = short
     return Division(held(time_s), held(u), counts.astype(np.int16), "radau", bends_in_s)

@@ -17,7 +17,7 @@ from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER, Together
 from softid.diagnosis.searches.over_plainer_models import ModelSearch
-from softid.diagnosis_results import Diagnosis, Verdict
+from softid.diagnosis_results import Diagnosis, Variation, Verdict
 from softid.errors import Issue
 
 NOTHING: Any = None
@@ -128,8 +128,12 @@ def test_a_change_takes_far_more_than_parameters_that_are_fitted_to_both(
     assert told.issues == ((change,) if is_told else (REFUTED.issue,))
 
 
+VARIATION = Variation("v", 0.1, 0.2, 1e-6)
 TOLD = Issue(TOLD_TOGETHER, "warning", "nothing else is missing")
-MISSES = replace(PLAIN_CREEP, remainder=replace(PLAIN_CREEP.remainder, misses_held_out=True))
+PART = answer(Verdict.PARTIAL)
+MISSES = replace(PART, remainder=replace(PART.remainder, misses_held_out=True))
+VARIES = replace(MISSES, causes=tuple(replace(c, variation=VARIATION) for c in MISSES.causes))
+LEAVES = replace(MISSES, remainder=replace(MISSES.remainder, structured=True))
 
 
 @pytest.mark.parametrize(
@@ -138,9 +142,11 @@ MISSES = replace(PLAIN_CREEP, remainder=replace(PLAIN_CREEP.remainder, misses_he
         (MISSES, TOLD, Verdict.NAMED),
         (MISSES, None, Verdict.PARTIAL),
         (replace(MISSES, descriptive=MISSES.causes), TOLD, Verdict.PARTIAL),
-        (PLAIN_CREEP, TOLD, Verdict.PARTIAL),
+        (PART, TOLD, Verdict.PARTIAL),
+        (VARIES, TOLD, Verdict.PARTIAL),
+        (LEAVES, TOLD, Verdict.PARTIAL),
     ],
-    ids=["told together", "not together", "described", "no worse on what is held out"],
+    ids=["told together", "not together", "described", "no worse", "varies", "leaves structure"],
 )
 def test_a_cause_is_all_where_a_fit_to_all_logs_leaves_noise(
     found: Diagnosis, told: Issue | None, verdict: Verdict, monkeypatch: pytest.MonkeyPatch

@@ -34,6 +34,9 @@ exchanged."""
 ROUNDS = 60
 """Reweighted rounds of the two variances, of which each takes a tenth of the way or more."""
 
+SAME = 1e-3
+"""Squares of speeds that differ by a smaller share of their mean are all the same."""
+
 FLOOR = 1e-6
 """Share of the mean square below which neither variance is told from nothing."""
 
@@ -95,6 +98,8 @@ def _two_variances(squares: Array, grows: Array) -> tuple[float, float, float]:
     Squares of such noise have the mean a + b g, and a standard deviation in proportion to it.
     """
     mean, size = float(squares.mean()), float(grows.mean())
+    if not np.ptp(grows) > SAME * size:  # a ramp has one speed, and tells nothing
+        return mean, 0.0, _deviance(squares, np.full(squares.size, mean))
     a, b = 0.5 * mean, 0.5 * mean / size
     for _ in range(ROUNDS):
         weight = (a + b * grows) ** -2

@@ -61,6 +61,14 @@ def test_a_detail_and_whole_readings_are_none() -> None:
     assert told(np.zeros(X.size)) is None
 
 
+def test_a_motion_of_one_speed_tells_nothing() -> None:
+    """A ramp, and no motion at all: there is no other speed to hold the noise against."""
+    residual = np.random.default_rng(4).standard_normal(X.size)
+    for speed in (0.0, 2.0):
+        part = ResidualContext(TIME_S, speed * TIME_S, np.full(X.size, speed), X, residual, True)
+        assert uncertain_times([part], PERIOD_S) is None
+
+
 def recorded(name: str, seed: int, *, jitter_s: float) -> Log:
     """An oscillator in a chirp, read at times that are off their stamps."""
     rng = np.random.default_rng((seed, len(name)))
