@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from softid.parameters import ParameterScale
 from softid.results import ParameterVerdict
+from softid.sentences import listed
 from softid.uncertainty.covariance import Covariance
 
 Array = npt.NDArray[np.float64]
@@ -168,7 +169,10 @@ def judge(
         return "not identified", f"it rests on {bound}, so only a limit is known"
     if sd is None or not np.isfinite(sd):
         if companions:
-            return "not identified", f"{_listed(companions)} can make up for it exactly"
+            return (
+                "not identified",
+                f"{listed(dict.fromkeys(companions))} can make up for it exactly",
+            )
         return "not identified", "it does not change the response"
     size = relative_sd(value, scale, sd, lower=lower, upper=upper)
     if size < IDENTIFIED_BELOW:
@@ -188,8 +192,3 @@ def _which_bound(value: float, lower: float | None, upper: float | None) -> str:
         return "a bound"
     name = "lower" if abs(value - lower) <= abs(upper - value) else "upper"
     return f"its {name} bound"
-
-
-def _listed(names: Sequence[str]) -> str:
-    *before, last = dict.fromkeys(names)
-    return f"{', '.join(before)} and {last}" if before else last
