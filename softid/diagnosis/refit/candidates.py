@@ -93,6 +93,11 @@ class Candidate:
         return tuple(effect.key for effect in self.effects)
 
     @property
+    def names(self) -> frozenset[str]:
+        """Names of the effects, in whatever form."""
+        return frozenset(effect.name for effect in self.effects)
+
+    @property
     def acting(self) -> tuple[Effect, ...]:
         """Its effects in the order in which they act within their stage."""
         model = self.problem.model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -121,6 +121,17 @@ class Link:
         """The effect that the link adds."""
         return self.added_by(self.chosen)
 
+    def among(self, names: Set[str]) -> Link:
+        """The link as if the effects of these names alone had been raced."""
+        return replace(
+            self,
+            ranked=tuple(
+                row for row in self.ranked if row is self.before or self.added_by(row).name in names
+            ),
+            rivals=tuple(name for name in self.rivals if name in names),
+            replaced=tuple((name, model) for name, model in self.replaced if model.names <= names),
+        )
+
     def added_by(self, row: Ranked) -> Effect:
         """The effect that a contender of the round adds."""
         return added_to(self.before, row)
@@ -164,6 +175,10 @@ class Chain:
     def bends(self) -> bool:
         """Whether a cause is a curve with free values, which bends to much that it is not."""
         return any(len(link.added.amplitudes) > 1 for link in self.links)
+
+    def among(self, names: Set[str]) -> Chain:
+        """The chain as if the effects of these names alone had been raced, its own among them."""
+        return replace(self, links=tuple(link.among(names) for link in self.links), last=None)
 
 
 def select_forward(

@@ -249,8 +249,8 @@ class CauseSearch:
 
     def _may_outdo(self, known: Chain, other: Chain) -> bool:
         """Whether two causes that leave something may lead to more than is known with a third."""
-        names, taken = ({e.name for e in chain.final.effects} for chain in (known, other))
-        return self.remainder_of(known.final).structured and not taken <= names
+        is_another = not other.final.names <= known.final.names
+        return is_another and self.remainder_of(known.final).structured
 
     @cached_property
     def _is_astray(self) -> bool:

@@ -77,8 +77,11 @@ def search_with_jump_moments(
     for chain in _chains(plain, request, search, known):
         meant = {name for link in chain.links for name in (link.added.name, *link.rivals)}
         whole = whole or _over(plain, request, search)
-        effects = tuple(effect for effect in search.effects if effect.name in meant)
-        found = replace(whole, effects=effects).search()
+        if whole is search and known.final.names <= meant:  # it would be found once more
+            found = search.judged(known.among(meant), None)
+        else:
+            effects = tuple(effect for effect in search.effects if effect.name in meant)
+            found = replace(whole, effects=effects).search()
         if found.is_sure:
             return found, whole
     return None

@@ -12,7 +12,8 @@ import pytest
 import softid
 from softid.diagnosis.base.base_fit import Recordings, Request
 from softid.diagnosis.logs.timed_jumps import with_jumps_at
-from softid.diagnosis.searches import strategy
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.searches import strategy, with_jump_moments
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.with_jump_moments import search_with_jump_moments, timed_recordings
 from softid.diagnosis_results import Verdict
@@ -119,6 +120,33 @@ def test_a_declared_intersample_behaviour_stays(monkeypatch: pytest.MonkeyPatch)
     log, judge = (replace(log, intersample="held") for log in logs)
     softid.diagnose(log, hold_out=[judge], model="muscle", effects=["softening"])
     assert not asked
+
+
+def test_what_is_known_among_the_named_effects_is_not_searched_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Stands on a search among those effects alone, which ends at the same model."""
+    whole = hidden_pair(["delay"], seed=3, model="oscillator", protocol="multisine")
+    search = search_over(whole.logs, ("delay", "pneumatic_lag", "hysteresis"), "oscillator")
+    named = ("delay", "hysteresis")
+    among = search_over(whole.logs, named, "oscillator").search()
+    known = search.search().chain
+    monkeypatch.setattr(with_jump_moments, "_chains", lambda *args: iter([known.among(set(named))]))
+    monkeypatch.setattr(CauseSearch, "search", lambda *args: pytest.fail("searched again"))
+    recordings = Recordings(search.base.identified.logs, search.base.identified.hold_out)
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    answered = search_with_jump_moments(recordings, request, search, known)
+    assert answered is not None
+    found, _ = answered
+    assert found.chain.final.keys == among.chain.final.keys == ("delay",)
+    assert found.is_named == among.is_named
+    assert found.chain.final.squares == pytest.approx(among.chain.final.squares, rel=1e-6)
+    assert "pneumatic_lag" in raced(known)
+    assert raced(found.chain) == raced(among.chain)
+
+
+def raced(chain: Chain) -> set[str]:
+    return {link.added_by(row).name for link in chain.links for row in link.extending}
 
 
 def test_where_nothing_jumps_nothing_is_searched() -> None:
