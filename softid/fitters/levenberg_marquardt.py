@@ -39,13 +39,22 @@ share grows with the length of the step, but turns with its direction too."""
 MOST_SHORTENED = 0.1
 """Share of a step that is left at least: what bends without end may be one place only."""
 
-INITIAL_DAMPING = 1e-9
+INITIAL_DAMPING = 1e-12
 """Damping of the first step, as a share of the largest diagonal entry of JᵀJ in units of the reach:
-next to none, so that a run begins with a Gauss–Newton step, bounded by `LARGEST_STEP`."""
+next to none, so that a run begins with a Gauss–Newton step, bounded by `LARGEST_STEP`. The largest
+entry is that of a zero or an initial state, which may move so far that it is a million times those
+of the parameters."""
 
 LARGEST_DECREASE = 0.1
 """Factor by which an accepted step lowers the damping at most. Nielsen's is 1/3; a tenth, a
 judgement, forgets a rejected step sooner."""
+
+REJECTED_LENGTH = 0.5
+"""A step after which the cost has risen is followed by one of half the length at most: from next to
+no damping, Nielsen's growth of it would propose nearly the same step eight times."""
+
+ROUNDING = 1e-10
+"""Share of the cost by which rounding may raise it."""
 
 MOST_DAMPING = 1e30
 """Damping above which a rejected step ends the run, so that it cannot go on for ever: the growth
@@ -218,8 +227,11 @@ def minimise(
             z, now = then.point, then
         elif damping > MOST_DAMPING:
             break
-        else:
+        elif then.cost <= now.cost * (1.0 + ROUNDING):
             damping, growth = damping * growth, growth * 2.0
+        else:
+            shorter = REJECTED_LENGTH * _length((scale * step)[moving])
+            damping = _damping_for(now, moving, unit, damping, shorter)
     offset = offset_within(now, lower, upper, reach)
     return Minimum(z, now, used, offset, damping, used_up=used >= evaluations)
 
