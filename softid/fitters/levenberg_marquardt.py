@@ -2,11 +2,12 @@
 
 One evaluation gives the cost, Jᵀr and JᵀJ, so that large data are never factorised. The trust
 region is a ball in units of each unknown's plausible move rather than of its Jacobian column: a
-long flat valley is walked in long strides. The damping follows Nielsen (1999). A coordinate on a
-bound whose gradient points outward is held there (Kanzow, Yamashita and Fukushima, J. Comput. Appl.
-Math. 172, 2004). A non-finite trial point is a rejected step. Sums of exponentials have narrow
-curved valleys; the geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885) follows the bend
-of the valley instead of stopping at its wall.
+long flat valley is walked in long strides. The damping falls as in Nielsen (1999), and grows until
+a step is half as long as the one after which the cost rose. A coordinate on a bound whose gradient
+points outward is held there (Kanzow, Yamashita and Fukushima, J. Comput. Appl. Math. 172, 2004). A
+non-finite trial point is a rejected step. Sums of exponentials have narrow curved valleys; the
+geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885) follows the bend of the valley
+instead of stopping at its wall.
 """
 
 from __future__ import annotations
