@@ -19,12 +19,13 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.normal_equations import Linearised, linearise
+from softid.fitters.normal_equations import linearise
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
 from softid.identification.input_errors import InputErrors
 from softid.identification.input_ripple import is_followed
 from softid.identification.unknown_names import unknown_names
+from softid.parallel import both, in_parallel
 from softid.segment import Segment
 from softid.uncertainty import Covariance, widened
 
@@ -137,14 +138,14 @@ class _Stirred:
         self, problem: Problem, optimum: Optimum, errors: InputErrors, names: Sequence[str]
     ) -> None:
         every, own = unknown_names(problem), problem.parameters
-        self._at = partial(_linearised, problem, optimum)
+        kept = np.array([every.index(name) for name in names], int)
+        self._at = partial(_sums, problem, optimum, kept)
         self._added = partial(errors.added, problem)
-        self._kept = np.array([every.index(name) for name in names], int)
         self._is_averaged = errors.is_averaged
         self._is_logarithm = np.array(
             [name in own.free and own[name].scale == "log" for name in names], bool
         )
-        self._still = self._at(problem.segments)
+        self._matrix, self._gradient = self._at(problem.segments)
         self._matrices: list[Array] = []
         self._pulls: list[Array] = []
         self._stirs: list[Array] = []
@@ -152,21 +153,24 @@ class _Stirred:
     def draw_pair(self) -> None:
         """One draw, which is added and taken away: what is even in it lasts on the average."""
         number = len(self._pulls)
-        up, down = (self._at(self._added(number, sign)) for sign in (1.0, -1.0))
-        square = np.ix_(self._kept, self._kept)
-        self._matrices.append((0.5 * (up.matrix + down.matrix) - self._still.matrix)[square])
-        pull = 0.5 * (up.gradient + down.gradient) - self._still.gradient
-        self._pulls.append(pull[self._kept])
-        self._stirs.append(0.5 * (up.gradient - down.gradient)[self._kept])
+        up, down = both(lambda: self._with(number, 1.0), lambda: self._with(number, -1.0))
+        (matrix_up, gradient_up), (matrix_down, gradient_down) = up, down
+        self._matrices.append(0.5 * (matrix_up + matrix_down) - self._matrix)
+        self._pulls.append(0.5 * (gradient_up + gradient_down) - self._gradient)
+        self._stirs.append(0.5 * (gradient_up - gradient_down))
+
+    def _with(self, number: int, sign: float) -> tuple[Array, Array]:
+        """JᵀJ and Jᵀr with a draw of the noise, added or taken away."""
+        return self._at(self._added(number, sign))
 
     def draw_more(self) -> None:
         """More draws of what is odd, which is another in each, where it counts."""
         if self._is_averaged:
             return
-        pull = np.mean(self._pulls, axis=0)
-        for number in range(len(self._stirs), len(self._stirs) + MORE_DRAWS):
-            once = self._at(self._added(number, 1.0))
-            self._stirs.append((once.gradient - self._still.gradient)[self._kept] - pull)
+        even = self._gradient + np.mean(self._pulls, axis=0)
+        numbers = range(len(self._stirs), len(self._stirs) + MORE_DRAWS)
+        drawn = in_parallel(lambda number: self._with(number, 1.0), numbers, small=True)
+        self._stirs.extend(gradient - even for _, gradient in drawn)
 
     def allowed(self) -> tuple[Array, Array, Array] | None:
         """T and m of `with_input_errors`, and the mean squares of H⁻¹(g − b).
@@ -179,7 +183,7 @@ class _Stirred:
         arrays of shapes (K, K), (K,) and (K,), or None
             None where nothing is known.
         """
-        known = self._still.matrix[np.ix_(self._kept, self._kept)]
+        known = self._matrix
         added, stirs = np.array(self._matrices), np.array(self._stirs)
         pull, scale = np.mean(self._pulls, axis=0), np.sqrt(np.diag(known))
         is_finite = (
@@ -207,7 +211,10 @@ class _Stirred:
         return transform * np.outer(1.0 / scale, scale), move * FARTHEST / farthest, squares
 
 
-def _linearised(problem: Problem, optimum: Optimum, segments: Sequence[Segment]) -> Linearised:
-    """The normal equations over stretches in the place of a problem's own."""
+def _sums(
+    problem: Problem, optimum: Optimum, kept: Array, segments: Sequence[Segment]
+) -> tuple[Array, Array]:
+    """JᵀJ and Jᵀr of some unknowns over stretches in the place of a problem's own."""
     changed = Problem.with_segments(problem, segments)
-    return linearise(changed, optimum.unknowns, optimum.sigma)
+    found = linearise(changed, optimum.unknowns, optimum.sigma)
+    return found.matrix[np.ix_(kept, kept)], found.gradient[kept]
