@@ -24,7 +24,7 @@ import numpy.typing as npt
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.even_sampling import evenly_sampled
 from softid.diagnosis.refit.candidates import Candidate, advance
-from softid.diagnosis.refit.extension import extend_in_order
+from softid.diagnosis.refit.extension import extend_in_order, within_bounds_of
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.log import Log
@@ -144,6 +144,7 @@ def over_samples_of(candidate: Candidate, fitted: Candidate, scale: Scale) -> Ca
     scale
         Sizes of the base fit.
     """
-    problem = extend_in_order(fitted.problem, candidate.acting, scale)
+    extended = extend_in_order(fitted.problem, candidate.acting, scale)
+    problem = within_bounds_of(extended, candidate.problem)
     begin = replace(candidate.minimum, damping=None)
     return replace(candidate, problem=problem, minimum=begin)

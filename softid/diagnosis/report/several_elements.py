@@ -41,7 +41,8 @@ def with_several_elements(
 
     Where more than noise may be left, or something is described, the second element is refitted
     beside the named causes, in the place of what is described. It is told where it is likelier than
-    that, takes away most of what the named ones leave and lowers the error on what is held out.
+    that, takes away most of what the named ones leave and lowers the error on what is held out. Of
+    what passes for slow noise as a whole none is taken.
 
     Parameters
     ----------
@@ -73,9 +74,9 @@ def with_several_elements(
         alone = final
         if found.descriptive:
             alone = refitted_with(standing, kept[:-1], kept[-1:], near=np.inf) or final
-        taken = (alone.squares - other.squares) / (alone.squares - noise)
-        if taken > MOST_OF_THE_REST:
-            issue = _issue(law(), which, together, other, min(taken, 1.0))
+        left, taken = alone.squares - noise, alone.squares - other.squares
+        if left > 0.0 and taken > MOST_OF_THE_REST * left:
+            issue = _issue(law(), which, together, other, min(taken / left, 1.0))
             found = replace(found, issues=(*found.issues, issue))
     return found
 

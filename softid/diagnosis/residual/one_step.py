@@ -39,9 +39,9 @@ def _step_of(segment: Segment) -> tuple[float, float] | None:
     """Levels before and after the only step; None where the input moves otherwise."""
     u, time_s = segment.input, segment.time_s
     low, high = float(np.min(u)), float(np.max(u))
-    if not high > low:
-        return None
-    rises = u[-1] - u[0] > 0.0
+    if not abs(u[-1] - u[0]) > (1.0 - 2.0 * NEAR_AN_END) * (high - low):
+        return None  # it stays, or comes back
+    rises = u[-1] > u[0]
     share = (u - low) / (high - low) if rises else (high - u) / (high - low)
     leaves = int(np.argmax(share > NEAR_AN_END))
     arrives = int(np.flatnonzero(share < 1.0 - NEAR_AN_END)[-1])

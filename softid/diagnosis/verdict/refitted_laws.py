@@ -17,6 +17,7 @@ from softid.diagnosis.refit.extension import (
     extend_in_order,
     named_values,
     start_unknowns,
+    within_bounds_of,
 )
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import squares_at
@@ -119,7 +120,8 @@ def refitted_with(
     """
     base, known, rough_base = standing.base, standing.rough, standing.rough_base
     sigma, effects = standing.rough_sigma, (*kept, *laws)
-    problem = extend_in_order(rough_base.problem, acting_order(kept, laws), base.scale)
+    extended = extend_in_order(rough_base.problem, acting_order(kept, laws), base.scale)
+    problem = within_bounds_of(extended, known.problem)
     limit = known.squares + near - standing.model.squares
     starts = [
         _begun_near(begun(known, effects, problem, z), sigma, limit)

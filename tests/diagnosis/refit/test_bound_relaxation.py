@@ -12,6 +12,7 @@ from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns, with_fewer_effects
+from softid.diagnosis.refit.rough_copy import over_samples_of
 from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import converged
 from softid.effects import ExtendedModel, effect_of
@@ -69,6 +70,20 @@ def test_what_stays_or_comes_back_stands_where_it_stood() -> None:
     fitted, standing_both = standing(base, base.unknowns(TRUTH)), standing(whole, both)
     again = with_effect(fitted, standing_both, EFFECT, weak)
     assert again.parameters["stiffening_k3"] == pytest.approx(size)
+
+
+def test_what_is_seen_over_other_samples_keeps_its_bounds() -> None:
+    """A race over averages, and the refit after it, begin where the candidate stands."""
+    freed = with_own_bounds(standing_at(1.0, force=0.01))
+    weak = replace(SCALE, force=0.01 * SCALE.force)
+    base = linear_problem([LOG])
+    fitted = standing(base, base.unknowns(TRUTH))
+    there = over_samples_of(freed, fitted, weak)
+    assert there.problem.parameters["stiffening_k3"] == freed.problem.parameters["stiffening_k3"]
+    assert there.parameters == freed.parameters
+    lower, upper = there.problem.bounds()
+    point = there.minimum.point
+    assert np.all((point >= lower) & (point <= upper))
 
 
 @pytest.mark.parametrize(("share", "force"), [(0.5, 0.01), (1.0, 1.0)])

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from handmade_diagnosis import DELAY, diagnosis, remainder
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.report import several_elements
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Diagnosis, Verdict
+from softid.effects import effects_of
 from softid.errors import Issue
 from softid.synthesis import HiddenPair, hidden_pair
 
@@ -50,6 +54,26 @@ def test_a_second_element_outdoes_what_is_described() -> None:
     assert text.index("What is left") < text.index("The material creeps with more than one time.")
     assert "follows from no variable" not in text
     assert "Next: hold on." in text
+
+
+@pytest.mark.parametrize(("excess", "is_told"), [(0.0, False), (1.0, True)])
+def test_of_what_passes_for_noise_none_is_taken(
+    excess: float, is_told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where all that is left counts as slow noise, a likelier second element is none."""
+    left = replace(remainder(structured=False, explained=0.99), excess=excess, colour_s=1.0)
+    found = replace(diagnosis(Verdict.NAMED), remainder=left)
+    creep = effects_of(["creep"])[0]
+    final, other = (SimpleNamespace(squares=squares, acting=(creep,)) for squares in (2.0, 1.0))
+    issue = Issue(SEVERAL_ELEMENTS, "info", "two", None)
+    monkeypatch.setattr(several_elements, "standing_of", lambda *args: None)
+    monkeypatch.setattr(several_elements, "refitted_with", lambda *args, **kwargs: other)
+    monkeypatch.setattr(several_elements, "_is_better", lambda *args: True)
+    monkeypatch.setattr(several_elements, "_issue", lambda *args: issue)
+    links: Any = [SimpleNamespace(added=creep)]
+    nothing: Any = None
+    answer = several_elements.with_several_elements(found, links, cast("Any", final), nothing)
+    assert (issue in answer.issues) is is_told
 
 
 @pytest.mark.parametrize("effect", ["creep", "hysteresis"])

@@ -14,6 +14,11 @@ from softid.log import Log
 UP = ([2.0, 2.5], [0.0, 60.0])
 
 
+def pulse(height: float, end: float) -> tuple[list[float], list[float]]:
+    """Up or down for 1 s, and where a noisy reading ends."""
+    return [1.0, 1.1, 2.0, 2.1, 19.9, 19.98], [0.0, height, height, 0.0, 0.0, end]
+
+
 def log_of(corners_s: Sequence[float], levels: Sequence[float], noise: float = 0.0) -> Log:
     time_s = np.arange(1000) / 50.0
     pressure = np.interp(time_s, corners_s, levels)
@@ -31,6 +36,10 @@ def log_of(corners_s: Sequence[float], levels: Sequence[float], noise: float = 0
         ([UP, ([2.0, 2.5], [0.0, 40.0])], False),
         ([([2.0, 2.5, 9.0, 9.5], [0.0, 60.0, 60.0, 0.0])], False),
         ([([2.0, 2.5, 9.0, 9.5], [0.0, 30.0, 30.0, 60.0])], False),
+        ([pulse(60.0, 0.01)], False),
+        ([pulse(60.0, -0.01)], False),
+        ([pulse(-60.0, 0.01)], False),
+        ([pulse(-60.0, -0.01)], False),
         ([([2.0, 9.0], [0.0, 60.0])], False),
         ([([2.0, 9.0], [0.0, 0.0])], False),
     ],
@@ -42,6 +51,10 @@ def log_of(corners_s: Sequence[float], levels: Sequence[float], noise: float = 0
         "to two levels",
         "up and down",
         "a staircase",
+        "a pulse",
+        "a pulse that ends below",
+        "a pulse downward",
+        "a pulse downward that ends below",
         "a ramp",
         "nothing moves",
     ],
