@@ -37,6 +37,9 @@ UNSURE_REMEDIES = {
 }
 """What to do about a doubt that more of the same moves would not settle."""
 
+FAST_INPUT = "fast-input"
+"""Code of the remark that nobody knows what the input did between its samples."""
+
 NEGLIGIBLE_MISFIT = "negligible-misfit"
 """Code of the remark that no cause was looked for, since the misfit is negligible."""
 
@@ -228,7 +231,7 @@ def input_noise_issues(
         ),
         (
             course,
-            "coarse-input",
+            FAST_INPUT,
             f"{driving.name} moves fast beside its samples; what it may have done between them",
             f"sample {driving.name} several times as fast",
         ),
