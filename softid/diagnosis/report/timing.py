@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.motion import heard, residual_context
-from softid.diagnosis.residual.uncertain_times import uncertain_times
+from softid.diagnosis.residual.uncertain_times import LEAST_SHARE, uncertain_times
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
@@ -30,8 +30,8 @@ def timing_issues(answer: Diagnosis, final: Candidate) -> tuple[Issue, ...]:
     problem = final.problem
     period_s = max(log.period_s for log in problem.logs)
     found = uncertain_times(heard(final, residual_context(final)), period_s)
-    if found is None:
-        return ()
+    if found is None or found.share - left.input_noise < LEAST_SHARE:
+        return ()  # what is not known of the input tells where the motion is fast, too
     first = problem.outputs[0]
     channel = problem.logs[0].channels[first]
     still, moving = (sd * channel.display_factor for sd in (found.still, found.moving))

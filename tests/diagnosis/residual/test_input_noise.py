@@ -12,6 +12,7 @@ from softid.diagnosis import diagnose
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.report.issues import FAST_INPUT
+from softid.diagnosis.report.timing import UNCERTAIN_TIMES
 from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.input_noise import (
     InputNoise,
@@ -212,4 +213,5 @@ def test_what_the_input_did_between_its_samples_is_no_misfit(hidden: str, seed: 
     told = {issue.code: issue.message for issue in found.issues}
     assert "noisy-input" not in told
     assert "moves fast beside its samples" in told[FAST_INPUT]
+    assert UNCERTAIN_TIMES not in told
     assert ("nothing to mend" in found.summary) is not bool(hidden)
