@@ -199,7 +199,7 @@ def _remarks(answer: Diagnosis, case: Circumstances) -> Diagnosis:
         *jump_issues(left, problem),
         *input_noise_issues(left, problem, case.request.gauges),
         *joint_cause_issues(answer),
-        *reading_issues(answer),
+        *reading_issues(answer, problem.model.without_effects),
         *(timing_issues(answer, case.final) if case.averaged == 1 else ()),
     )
     return replace(answer, issues=(*answer.issues, *issues))

@@ -117,6 +117,7 @@ class SeriesCreep(SettlingShare):
     )
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s, at two levels"
     source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (Kelvin-Voigt element)"
+    ceilings: ClassVar[tuple[str, ...]] = ("c",)
     shares: ClassVar[tuple[float, float]] = SERIES_SHARES
     meanings: ClassVar[tuple[str, str]] = (
         "fraction of a change by which the reading creeps on",

@@ -48,3 +48,15 @@ def test_a_force_that_relaxes_is_told(share: float) -> None:
     values = {p.name: p.value for p in found.causes[0].parameters}
     assert values["relaxation_c"] == pytest.approx(SHARE, rel=0.1)
     assert values["relaxation_tau"] == pytest.approx(SLOW_S, rel=0.1)
+
+
+def test_a_sensor_that_loses_all_that_stands_still_is_told() -> None:
+    """A piezoelectric one: the share is at its bound of 1, which is no other law."""
+    effects = ["relaxation", "sensor_drift"]
+    logs = [blocked_log(seed, 1.0) for seed in (1, 2)]
+    found = diagnose(logs[0], hold_out=logs[1:], model="oscillator", effects=effects)
+    assert found.verdict is Verdict.NAMED
+    assert [cause.key for cause in found.causes] == ["relaxation"]
+    values = {p.name: p.value for p in found.causes[0].parameters}
+    assert values["relaxation_c"] == pytest.approx(1.0, rel=0.01)
+    assert values["relaxation_tau"] == pytest.approx(SLOW_S, rel=0.1)

@@ -46,7 +46,6 @@ class SettlingShare(OutputEffect):
     begins_with_log: ClassVar[bool] = True
     is_linear: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
-    ceilings: ClassVar[tuple[str, ...]] = ("c",)
     shares: ClassVar[tuple[float, float]]
     meanings: ClassVar[tuple[str, str]]
     direction: ClassVar[float]
