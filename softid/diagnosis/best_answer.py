@@ -10,13 +10,13 @@ from itertools import islice
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.changes.held_out_difference import held_out_difference
-from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.issues import unsure_issues
 from softid.diagnosis.report.other_explanations import OtherExplanations
 from softid.diagnosis.report.other_model import tie_with_other_model, unasked_model_issues
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
+from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.fitted_together import (
@@ -33,11 +33,11 @@ from softid.diagnosis.verdict.revision import as_unknown, exchanged_causes, with
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
-Answered = tuple[Diagnosis, BaseFit, Candidate]
-"""A diagnosis, the base that it extends, and the model with all that is named or described."""
+Answered = tuple[Diagnosis, BaseFit, Chain]
+"""A diagnosis, the base that it extends, and the chain with all that is named or described."""
 
 CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
-"""Verdicts that leave no more than noise."""
+"""Verdicts that leave no question open, unless a tie leaves more than noise."""
 
 CURVES = ("static_curve", "dead_zone")
 """Causes that make a curve of a line, as the spring of a muscle does by itself."""
@@ -87,7 +87,7 @@ def best_answer(
         return _named_if_told_together(best, recordings, request, search)
     if best[0].verdict is not Verdict.UNKNOWN:
         return best
-    told = unasked_model_issues(recordings, request, search, best[2])
+    told = unasked_model_issues(recordings, request, search, best[2].final)
     return _with_issues(best, told) if told else best
 
 
@@ -95,18 +95,18 @@ def _named_if_told_together(
     answered: Answered, recordings: Recordings, request: Request, search: CauseSearch
 ) -> Answered:
     """The same; named where only parameters were off on what is held out, beside what is named."""
-    answer, base, final = answered
+    answer, base, chain = answered
     left = replace(answer.remainder, misses_held_out=False)
     varies = any(cause.variation is not None for cause in answer.causes)
     is_all = not (left.leaves_something or varies or answer.descriptive)
     if not (is_all and answer.remainder.misses_held_out):
         return answered
     over = replace(search, base=base)
-    told = causes_fitted_together(recordings, request, over, final, answer.remainder)
+    told = causes_fitted_together(recordings, request, over, chain.final, answer.remainder)
     if told is None:
         return answered
     named = replace(answer, verdict=Verdict.NAMED, remainder=left)
-    return _with_issues((named, base, final), (told,))
+    return _with_issues((named, base, chain), (told,))
 
 
 def _says_what_it_is(answer: Diagnosis) -> bool:
@@ -123,14 +123,14 @@ def _without_lesser_change(answered: Answered, together: Together) -> Answered:
 
     Those are the base's, fitted to all logs; what is missing from it would be told as a change.
     """
-    answer, base, final = answered
-    if final.effects or not _tells_change(answer):
+    answer, base, chain = answered
+    if chain.final.effects or not _tells_change(answer):
         return answered
-    differs = held_out_difference(final, answer.remainder, base.held_out, base.scale)
+    differs = held_out_difference(chain.final, answer.remainder, base.held_out, base.scale)
     if differs is None or 1.0 - differs.share <= CHANGE_LEAVES * (1.0 - together.share):
         return answered
     kept = tuple(issue for issue in answer.issues if issue.code != HELD_OUT_CHANGE)
-    return replace(answer, issues=kept), base, final
+    return replace(answer, issues=kept), base, chain
 
 
 def _over_best_model(
@@ -159,7 +159,11 @@ def _over_best_model(
     for rival in models.richer_than(best[1]):
         other = _surest_answer(*searched(rival))
         is_bare = is_plainer and _names_at_most_a_curve(best[0])
-        if is_bare or _is_settled(other) or is_likelier(other[2], best[2], search.base.sigma):
+        if (
+            is_bare
+            or _is_settled(other)
+            or is_likelier(other[2].final, best[2].final, search.base.sigma)
+        ):
             best = other
     return best
 
@@ -189,24 +193,25 @@ def _over_this_or_plainer(
         plainer = models.after_first_cause(asked, found.chain)
         return _answered(*searched(plainer)) if plainer is not None else None
 
-    answer, base, final = _surest_answer(found, last, over_plainer_model)
+    surest = _surest_answer(found, last, over_plainer_model)
+    answer, base, chain = surest
     is_open = not found.chain.links and is_one_step(base.candidate.problem)
     if base is not last.base or is_open:  # a plainer model has settled it, or nothing does
-        return answer, base, final
+        return surest
     unnamed = answer.verdict is Verdict.UNKNOWN
     plainer = models.after_all_causes(
         asked,
-        found.chain,
+        chain,
         is_named=not unnamed,
         is_doubted=unnamed or _is_hollow(answer, base),
         is_explained=unnamed and bool(others.all(last.base)),
     )
     if plainer is None:
-        is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is models.search.base
-        other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
-        return _tied_with(answer, other_model), base, final
+        is_last = _is_settled(surest) and base is models.search.base
+        other_model = models.explaining_as_well(asked, chain) if is_last else None
+        return _tied_with(answer, other_model), base, chain
     other = _surest_answer(*searched(plainer))
-    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, final)
+    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else surest
 
 
 def _tied_with(answer: Diagnosis, other: OtherModel | None) -> Diagnosis:
@@ -229,29 +234,30 @@ def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
 
 def _answer(found: SearchResult, search: CauseSearch) -> Answered:
     """The diagnosis of what was found."""
-    return answer_of(search.base, found, search.seed), search.base, found.chain.final
+    return answer_of(search.base, found, search.seed), search.base, found.chain
 
 
 def _answered(found: SearchResult, search: CauseSearch) -> Answered:
     """The same, without descriptions behind which there may be nothing, if that leaves noise."""
     search.report("computing errors", 0.9)
-    answer, base, final = _answer(found, search)
+    answered = _answer(found, search)
+    answer = answered[0]
     if answer.verdict is not Verdict.UNKNOWN:
         kept = without_idle(found, search, answer.descriptive)
-        return _answer(kept, search) if kept else (answer, base, final)
+        return _answer(kept, search) if kept else answered
     alone = search.alone_beside(answer.descriptive, answer.remainder)
     if alone is not None:
         return _with_issues(_answer(alone, search), unsure_issues(answer.descriptive))
     smoothed = smoothed_alone(search, answer.descriptive)
     if smoothed is not None:
         return _with_issues(_answer(smoothed[0], search), smoothed[1:])
-    return answer, base, final
+    return answered
 
 
 def _with_issues(answered: Answered, issues: tuple[Issue, ...]) -> Answered:
     """The same with more remarks."""
-    answer, base, final = answered
-    return replace(answer, issues=(*answer.issues, *issues)), base, final
+    answer, base, chain = answered
+    return replace(answer, issues=(*answer.issues, *issues)), base, chain
 
 
 def _surest_answer(
@@ -281,7 +287,7 @@ def _surest_answer(
     if again is not None and again[0].verdict is not Verdict.UNKNOWN:
         return again
     again = over_plainer_model()
-    if again is not None and again[0].verdict in CONCLUSIVE_VERDICTS:
+    if again is not None and _is_settled(again):
         return again
     other = search.search_from_other_causes(found)
     again = answered(None if other.chain is found.chain else other)

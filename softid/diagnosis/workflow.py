@@ -138,7 +138,7 @@ def diagnose(
     request, chosen = reduced_if_better(recordings, request, chosen)
     search = CauseSearch(chosen, considered, seed, report)
     others = OtherExplanations()
-    answer, base, final = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    answer, base, chain = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
     case = Circumstances(
         recorded=recorded,
         cleaned=cleaned.logs,
@@ -148,7 +148,7 @@ def diagnose(
         effects=search.effects,
         chosen=chosen,
         base=base,
-        final=final,
+        final=chain.final,
         others=others,
     )
     return completed(answer, case)

@@ -31,6 +31,7 @@ def answer(verdict: Verdict, effect: str = "creep", *, structured: bool = False)
     return replace(found, causes=causes, remainder=left)
 
 
+BARE: Any = SimpleNamespace(final=SimpleNamespace(effects=()))
 PLAIN_CURVE = answer(Verdict.AMBIGUOUS, "static_curve", structured=True)
 PLAIN_CREEP = answer(Verdict.PARTIAL, structured=True)
 PLAIN_SETTLED = answer(Verdict.NAMED)
@@ -69,8 +70,8 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
     )
     monkeypatch.setattr(module, "fitted_together", lambda *args: None)
     monkeypatch.setattr(module, "PlainerModels", lambda *args: models)
-    monkeypatch.setattr(module, "_over_this_or_plainer", lambda *args: (plain, base, None))
-    monkeypatch.setattr(module, "_surest_answer", lambda *args: (rich, base, None))
+    monkeypatch.setattr(module, "_over_this_or_plainer", lambda *args: (plain, base, BARE))
+    monkeypatch.setattr(module, "_surest_answer", lambda *args: (rich, base, BARE))
     monkeypatch.setattr(module, "search_causes", lambda *args: (None, None))
     monkeypatch.setattr(module, "is_one_step", lambda problem: False)
     monkeypatch.setattr(module, "is_likelier", lambda *args: likelier)
@@ -79,7 +80,39 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
     assert (found is rich) is is_rich
 
 
-BARE: Any = SimpleNamespace(effects=())
+@pytest.mark.parametrize(
+    ("found", "asks"),
+    [
+        (answer(Verdict.NAMED), "explaining as well"),
+        (answer(Verdict.AMBIGUOUS, structured=True), ""),
+        (answer(Verdict.UNKNOWN, structured=True), "after all causes"),
+    ],
+    ids=["named", "a tie that leaves more", "unknown"],
+)
+def test_plainer_models_are_held_against_the_chain_that_is_answered(
+    found: Diagnosis, asks: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first one may have been refused, and another beginning have led to the answer."""
+    problem = SimpleNamespace(parameters=SimpleNamespace(names=()))
+    base: Any = SimpleNamespace(candidate=SimpleNamespace(problem=problem))
+    refused: Any = SimpleNamespace(chain=SimpleNamespace(links=(1,)))
+    answered: Any = SimpleNamespace(links=(2,), final=None)
+    asked: list[tuple[str, Any]] = []
+    models: Any = SimpleNamespace(
+        search=SimpleNamespace(base=base),
+        after_all_causes=lambda model, chain, **doubts: asked.append(("after all causes", chain)),
+        explaining_as_well=lambda model, chain: asked.append(("explaining as well", chain)),
+    )
+    others: Any = SimpleNamespace(all=lambda base: ())
+    monkeypatch.setattr(module, "_surest_answer", lambda *args: (found, base, answered))
+    monkeypatch.setattr(module, "is_one_step", lambda problem: False)
+    searched: Any = (refused, SimpleNamespace(base=base))
+    model = ModelSearch(NOTHING, NOTHING, NOTHING)
+    module._over_this_or_plainer(models, model, lambda model: searched, others)
+    assert all(chain is answered for _, chain in asked)
+    assert {what for what, _ in asked} == {"after all causes", *filter(None, [asks])}
+
+
 REFUTED = Together(None, Issue(NOT_TOGETHER, "warning", "no parameters follow both"))
 
 

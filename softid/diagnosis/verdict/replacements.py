@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.search.backward_revision import refit_with_fewer
 from softid.diagnosis.search.bic_ranking import Ranked, rank_either_way
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
@@ -83,29 +83,29 @@ class Replacement:
         """Whether an effect is one of the causes."""
         return effect.name in self.causes or effect.key in self.causes
 
-    def does_as_much(
-        self, links: Sequence[Link], other: Candidate, final: Candidate, held_out: HeldOut
-    ) -> bool:
+    def does_as_much(self, other: Candidate, final: Candidate, base: BaseFit) -> bool:
         """Whether what stands in the place of causes does most of what these do, or predicts more.
+
+        What they do is seen from the others, refitted without them: what these do counts for none.
 
         Parameters
         ----------
-        links
-            The chain.
         other
             The model with a law in their place.
         final
             The model with all causes.
-        held_out
-            What is held out.
+        base
+            What that extends.
         """
         if self.most is None:
             return False
-        if held_out.rms(other) < held_out.rms(final):
+        if base.held_out.rms(other) < base.held_out.rms(final):
             return True
-        kept = {effect.key for effect in other.effects}
-        before = max(link.left_before for link in links if link.added.key not in kept)
-        return before - other.squares > self.most * (before - final.squares)
+        kept = [effect for effect in final.effects if effect.key in other.keys]
+        alone = base.candidate
+        if kept:
+            alone = refit_with_fewer(final, base.candidate, kept, base.scale, base.sigma)
+        return alone.squares - other.squares > self.most * (alone.squares - final.squares)
 
     def asks(self, named: Sequence[Effect]) -> bool:
         """Whether one of `causes` is named, and `beside` too where it is given.
@@ -251,7 +251,7 @@ def with_replacements(
         if other is None or _is_within_samples(row, laws, other, base.scale.period_s):
             continue
         is_alike = all(_is_alike(other, final, row.behind, ranked) for ranked in rankings)
-        if is_alike or row.does_as_much(links, other, final, base.held_out):
+        if is_alike or row.does_as_much(other, final, base):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
 

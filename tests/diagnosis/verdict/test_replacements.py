@@ -18,6 +18,7 @@ from softid.diagnosis.refit.candidates import Candidate, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.report.ambiguity import law_that_ties
 from softid.diagnosis.search.forward_selection import converged
+from softid.diagnosis.verdict import replacements
 from softid.diagnosis.verdict.equivalence import CHANGING, TWO_HYSTERESES
 from softid.diagnosis.verdict.replacements import (
     REPLACEMENTS,
@@ -185,15 +186,30 @@ def test_a_second_loop_in_the_place_of_a_cause_beside_a_loop(
     [(50.0, 2.0, False), (15.0, 2.0, True), (50.0, 0.9, True), (50.0, 1.0, False)],
     ids=["neither", "most", "predicts more", "predicts as much"],
 )
+@pytest.mark.parametrize("is_beside", [False, True], ids=["by itself", "beside a loop"])
 def test_a_second_loop_does_most_or_predicts_more(
-    squares: float, held_out: float, does: bool
+    squares: float, held_out: float, does: bool, is_beside: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By the rule: four fifths of the fall from 100 to 1, or less than an error of 1."""
+    """By the rule: four fifths of the fall from 100 to 1, or less than an error of 1.
+
+    Beside a loop that leaves 16 by itself, 15 are a fifteenth of the fall and not four fifths.
+    """
     row = next(row for row in REPLACEMENTS if row.most is not None and row.beside)
-    other: Any = SimpleNamespace(effects=(), squares=squares, rms=held_out)
-    final: Any = SimpleNamespace(squares=1.0, rms=1.0)
-    judge: Any = SimpleNamespace(rms=lambda model: model.rms)
-    assert row.does_as_much([link_of("dead_zone")], other, final, judge) is does
+    loop, curve = effect_of("hysteresis"), effect_of("static_curve")
+    kept = (loop,) if is_beside else ()
+    by_itself = SimpleNamespace(squares=16.0)
+    monkeypatch.setattr(replacements, "refit_with_fewer", lambda *args: by_itself)
+    keys = tuple(effect.key for effect in kept)
+    other: Any = SimpleNamespace(keys=keys, squares=squares, rms=held_out)
+    final: Any = SimpleNamespace(effects=(*kept, curve), squares=1.0, rms=1.0)
+    base: Any = SimpleNamespace(
+        candidate=SimpleNamespace(squares=100.0),
+        scale=None,
+        sigma=None,
+        held_out=SimpleNamespace(rms=lambda model: model.rms),
+    )
+    is_most = does and not (kept and held_out == 2.0)
+    assert row.does_as_much(other, final, base) is is_most
 
 
 def test_a_second_creep_is_asked_beside_a_first_alone() -> None:
