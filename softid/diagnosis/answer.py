@@ -253,7 +253,9 @@ def _with_open_moments(chain: Chain, base: BaseFit) -> tuple[Chain, Whitener | N
     noise = noise_with_moments(chain.final, base.sigma) if chain.links else None
     if noise is None:
         return chain, None
-    return replace(chain, final=refined_under(chain.final, noise, base.sigma)), noise
+    final = refined_under(chain.final, noise, base.sigma)
+    *before, last = chain.links
+    return replace(chain, links=(*before, replace(last, found=final)), final=final), noise
 
 
 def _unsure_of(

@@ -13,6 +13,7 @@ from handmade_searches import base_fit, chain_of
 from linear_motion import TRUTH, linear_angle
 
 from softid.diagnosis import answer, diagnose
+from softid.diagnosis.search.order_of_size import prefix_models
 from softid.diagnosis.verdict import doubts
 from softid.diagnosis.verdict.naming import doubt_of
 from softid.diagnosis_results import Cause, Doubt
@@ -41,6 +42,25 @@ def test_what_others_leave_without_a_cause_speaks_for_it_where_it_is_no_loss(
         (alone, FRICTION), chain, base_fit(), held_out, errors, ()
     )
     assert found.holdout_rmse_without == (1.7 if is_told else None)
+
+
+def test_all_errors_are_those_of_the_model_that_was_refined(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Behind jumps at unknown moments: else the gain is that of one model, its interval another's.
+
+    The causes before the last one are those that the search left.
+    """
+    refined: Any = SimpleNamespace()
+    monkeypatch.setattr(answer, "noise_with_moments", lambda *args: "noise")
+    monkeypatch.setattr(answer, "refined_under", lambda *args: refined)
+    chain = chain_of("coulomb_friction", "delay")
+    chain = replace(chain, links=tuple(replace(link, found=link.before) for link in chain.links))
+    base = base_fit()
+    found, _ = answer._with_open_moments(chain, base)
+    assert found.final is refined
+    assert prefix_models(found, base.candidate)[-1] is refined
+    assert found.links[0] is chain.links[0]
 
 
 def late_and_drifting(seed: int) -> Log:
