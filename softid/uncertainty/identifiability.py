@@ -180,11 +180,14 @@ def judge(
     why = ""
     if partner is not None and abs(partner[1]) > STRONG_CORRELATION:
         why = f", since {partner[0]} can make up for it (correlation {partner[1]:.2f})"
+    is_of_bounds = scale == "linear" and size < relative_sd(value, scale, sd)
     if size < WEAK_BELOW:
-        return "weakly identified", f"its standard error is {100.0 * size:.0f} % of it{why}"
+        of = "the distance between its bounds" if is_of_bounds else "it"
+        return "weakly identified", f"its standard error is {100.0 * size:.0f} % of {of}{why}"
     if scale == "log":
         return "not identified", f"its order of magnitude is not known{why}"
-    return "not identified", f"its standard error is as large as the value{why}"
+    of = "the distance between its bounds" if is_of_bounds else "the value"
+    return "not identified", f"its standard error is as large as {of}{why}"
 
 
 def _which_bound(value: float, lower: float | None, upper: float | None) -> str:

@@ -81,6 +81,11 @@ def test_reasons_name_the_partner_the_bound_and_the_companions() -> None:
     assert bound[0] == "not identified"
     assert "lower bound" in bound[1]
     assert "upper bound" in judge(9.0, "linear", 0.1, at_bound=True, lower=0.0, upper=9.0)[1]
+    bounded = judge(0.001, "linear", 30.0, lower=-50.0, upper=50.0)[1]
+    assert bounded == "its standard error is 30 % of the distance between its bounds"
+    beyond = judge(0.001, "linear", 300.0, lower=-50.0, upper=50.0)[1]
+    assert beyond == "its standard error is as large as the distance between its bounds"
+    assert judge(100.0, "linear", 30.0, lower=-50.0, upper=50.0)[1].endswith("30 % of it")
     assert "b2 and c2" in judge(1.0, "log", None, companions=("b2", "c2"))[1]
     assert "does not change the response" in judge(1.0, "log", None)[1]
 
