@@ -27,9 +27,6 @@ ORDER, MOST_ORDERS = 2.0, 8.0
 """Start and upper bound of the order: filters of the second order are the usual ones, and beyond
 the eighth all have the same edge."""
 
-BEYOND = 2.0
-"""Periods by which a record is continued beyond its ends, turned about them."""
-
 ALIKE = 0.65
 """Second differences over so many periods are as large as those of white noise of the same power,
 to 5 % behind a filter of the second order and 15 % between the first and the third."""
@@ -116,11 +113,11 @@ class Smoothing(_Smoothed):
         even_s = time_s[0] + step_s * np.arange(count)
         is_even = count == y.size and bool(np.all(np.abs(even_s - time_s) < EVEN * step_s))
         even = y if is_even else np.interp(even_s, time_s, y)
-        beyond = min(int(np.ceil(BEYOND * period / step_s)), count - 1)
-        longer = _turned_about_its_ends(even, beyond)
-        cycles = period * np.fft.rfftfreq(longer.size, step_s)
-        left = np.fft.rfft(longer) / (1.0 + cycles ** (2.0 * order))
-        smooth: Array = np.fft.irfft(left, longer.size)[beyond : beyond + count]
+        line = np.linspace(even[0], even[-1], count)
+        turned = _turned_about_its_ends(even - line)
+        cycles = period * np.fft.rfftfreq(turned.size, step_s)
+        left = np.fft.rfft(turned) / (1.0 + cycles ** (2.0 * order))
+        smooth: Array = line + np.fft.irfft(left, turned.size)[:count]
         return smooth if is_even else np.interp(time_s, even_s, smooth)
 
 
@@ -212,11 +209,9 @@ def _start_times(scale: Scale) -> list[float]:
     return list(dict.fromkeys(times_s))
 
 
-def _turned_about_its_ends(y: Array, beyond: int) -> Array:
-    """The record and so many samples beyond each end, turned by half a turn about it."""
-    before = 2.0 * y[0] - y[beyond:0:-1]
-    after = 2.0 * y[-1] - y[-2 : -2 - beyond : -1]
-    return np.concatenate((before, y, after))
+def _turned_about_its_ends(y: Array) -> Array:
+    """One period of a record that ends at zero and goes on turned by half a turn about each end."""
+    return np.concatenate((y, -y[-2:0:-1]))
 
 
 def _centred_means(time_s: Array, y: Array, window_s: float) -> Array:
