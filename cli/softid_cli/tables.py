@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 
 WIDTH = 80
 _MOST_DIGITS = 9
+
+_DROWNED = 0.1
+"""Share of its error below which a value would be rounded away to the error's digits."""
+
 _OPTION_UNITS = {"_n_per_mm": "N/mm", "_kg_m3": "kg/m³", "_mm": "mm", "_pa": "Pa", "_m": "m"}
 """Ending of an option's name → its unit; the longest that fits comes first."""
 
@@ -147,13 +151,19 @@ def _stem_and_unit(name: str) -> tuple[str, str]:
 def with_error(value: float, stderr: float | None) -> str:
     """Value and standard error to the error's second significant digit.
 
+    A value that the error drowns keeps two digits of its own: it is what the fit stands at.
+
     Examples
     --------
     >>> with_error(1.23456, 0.0123), with_error(1.2e-7, 3.4e-9), with_error(5.0, None)
     ('1.235 ± 0.012', '(1.200 ± 0.034)e-07', '5')
+    >>> with_error(0.2901, 52.1)
+    '0.29 ± 52'
     """
     if stderr is None or not math.isfinite(stderr) or stderr <= 0:
         return f"{value:.6g}"
+    if abs(value) < _DROWNED * stderr:
+        return f"{value:.2g} ± {stderr:.2g}"
     largest = max(abs(value), stderr)
     exponent = math.floor(math.log10(largest))
     scaled = not -3 <= exponent < 5
