@@ -30,6 +30,9 @@ BLOCK_SHARE = 0.04
 """Length of a block: five of 4 % are a fifth of the log, and four fifths identify nearly as
 well."""
 
+FEWEST_SAMPLES = 2 * HELD_OUT_BLOCKS
+"""Nothing is held out of a log with fewer: blocks of one sample would be more than half of it."""
+
 FIRST_SHARE = 0.1
 """Nothing is held out of the first tenth, from which initial states are found."""
 
@@ -367,6 +370,8 @@ def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOutBlocks]:
 def _blocks(log: Log) -> BoolArray:
     n = len(log)
     held = np.zeros(n, bool)
+    if n < FEWEST_SAMPLES:
+        return held
     u = log.channels[log.input].values
     length = max(int(BLOCK_SHARE * n), 1)
     stratum = (1.0 - FIRST_SHARE) / HELD_OUT_BLOCKS

@@ -50,6 +50,16 @@ def test_blocks_of_a_log(samples: int) -> None:
     assert not held.whole[0].masked.any()
 
 
+@pytest.mark.parametrize("samples", [2, 3, 4, 5, 9])
+def test_nothing_is_held_out_of_a_log_that_is_hardly_more_than_its_blocks(samples: int) -> None:
+    """Five blocks of a sample each would cover the shortest; the long log beside it has its own."""
+    short = driven(np.linspace(0.0, 50.0, samples), name="short")
+    _, held = hold_out_blocks(LogSet((linear_log(), short)))
+    of_long, of_short = held.blocks
+    assert of_long.sum() == len(linear_log()) // 5
+    assert not of_short.any()
+
+
 def test_blocks_stay_within_what_the_rest_covers() -> None:
     """A ramp ends in its last block: beyond what was fitted, nothing may judge."""
     pressure = np.linspace(0.0, 100.0, 1000)
