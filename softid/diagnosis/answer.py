@@ -52,7 +52,6 @@ from softid.diagnosis_results import Alternative, Cause, Diagnosis, Remainder, V
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.intersample_choice import choice_unless_held
-from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.workflow import Identification
 from softid.parallel import both
 from softid.results import FitResult
@@ -368,7 +367,7 @@ def _fit_of(
     problem = final.problem
     unseen = {n: why for n, why in identified.found.unseen.items() if n not in problem.free}
     optimum = optimum_of(final, identified.found.optimum.sigma)
-    constraints = ParameterConstraints.of(problem.model.parameters(), None)
+    constraints = identified.found.constraints.among(problem.model.parameters())
     found = OptimisedProblem(problem, optimum, unseen, constraints)
     return _assembled(found, identified, seed, least_sd)
 

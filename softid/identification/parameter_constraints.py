@@ -68,6 +68,18 @@ class ParameterConstraints:
                 )
         return constraints
 
+    def among(self, declared: ParameterSet) -> ParameterConstraints:
+        """The same for a model that extends this one; of what it adds the user asked nothing.
+
+        Parameters
+        ----------
+        declared
+            Parameters of the extended model.
+        """
+        added = [p for name, p in declared.items() if name not in self.base]
+        base, asked = (ParameterSet((*known.values(), *added)) for known in (self.base, self.asked))
+        return ParameterConstraints(base, asked)
+
     @cached_property
     def changed(self) -> dict[str, Parameter]:
         """The parameters that differ from the model's own."""

@@ -10,14 +10,18 @@ import numpy as np
 import pytest
 from handmade_diagnosis import FRICTION
 from handmade_searches import base_fit, chain_of
-from linear_motion import TRUTH, linear_angle
+from linear_motion import MODEL, SIGMA, TRUTH, base_problem, linear_angle, standing
 
 from softid.diagnosis import answer, diagnose
+from softid.diagnosis.refit.extension import extend
 from softid.diagnosis.search.order_of_size import prefix_models
 from softid.diagnosis.verdict import doubts
 from softid.diagnosis.verdict.naming import doubt_of
 from softid.diagnosis_results import Cause, Doubt
+from softid.effects import effect_of
 from softid.effects.base import Effect
+from softid.identification.assembly import OptimisedProblem
+from softid.identification.parameter_constraints import ParameterConstraints
 from softid.log import Log
 from softid.synthesis import hidden_pair
 
@@ -61,6 +65,26 @@ def test_all_errors_are_those_of_the_model_that_was_refined(
     assert found.final is refined
     assert prefix_models(found, base.candidate)[-1] is refined
     assert found.links[0] is chain.links[0]
+
+
+def test_bounds_of_the_user_stay_theirs_beside_causes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same parameter is judged with its bounds over the base; a cause has none of the user."""
+    own = MODEL.parameters()
+    bounded = own.replacing(replace(own["N"], value=10.0, lower=9.0, upper=11.0))
+    constraints = ParameterConstraints.of(own, bounded)
+    problem, scale = base_problem()
+    extended = extend(problem, [effect_of("sensor_drift")], scale)
+    final = standing(extended, np.zeros(extended.size))
+    assembled: list[OptimisedProblem] = []
+    monkeypatch.setattr(answer, "_assembled", lambda found, *args: assembled.append(found))
+    known: Any = SimpleNamespace(
+        found=SimpleNamespace(
+            unseen={}, optimum=SimpleNamespace(sigma=SIGMA), constraints=constraints
+        )
+    )
+    answer._fit_of(final, known, 0, {})
+    names = [n for n in extended.parameters.names if assembled[0].constraints.bounds(n)]
+    assert names == ["N"]
 
 
 def late_and_drifting(seed: int) -> Log:
