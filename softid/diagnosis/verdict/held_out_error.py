@@ -140,7 +140,8 @@ def held_out_responses(model: Candidate, judged: Candidate, noise: float) -> Jum
             is_inside = (part.u >= lowest) & (part.u <= highest)
             parts.append(replace(part, residual=np.where(is_inside, part.residual, np.nan)))
             slopes.append(rows.jacobian[is_inside[np.isfinite(part.residual)], free:])
-    return JumpResponses.of(judged, parts, noise, slopes) if np.vstack(slopes).size else None
+    is_any = any(len(rows) for rows in slopes)
+    return JumpResponses.of(judged, parts, noise, slopes) if is_any else None
 
 
 def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, float]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -22,12 +23,18 @@ from scipy.signal import sawtooth
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_blocks
 from softid.diagnosis.search.forward_selection import converged
-from softid.diagnosis.verdict.held_out_error import parametric_power, with_held_out
+from softid.diagnosis.verdict.held_out_error import (
+    held_out_responses,
+    parametric_power,
+    with_held_out,
+)
 from softid.diagnosis_results import Remainder
 from softid.effects import effect_of
+from softid.fitters.problem import Problem
 from softid.identification.gauge_errors import GaugeErrors
 from softid.identification.input_denoising import without_input_noise
 from softid.log import Log, LogSet
+from softid.models import Oscillator
 
 NOISE = 0.02
 GAUGE = 6.0
@@ -230,3 +237,40 @@ def test_unsure_parameters_are_no_excuse_for_all(
     model = replace(fitted(seed=3), effects=(effect_of("delay"),) if has_cause else ())
     told = told_of(replace(LEFT, colour_s=colour_s), model, judge)
     assert told.misses_held_out is misses
+
+
+class Grounded(Oscillator):
+    """The linear actuator, whose sensor has no zero of its own."""
+
+    own_zero: ClassVar[bool] = True
+
+
+def stepped_log(name: str) -> Log:
+    """A command from rest that jumps by 0.3 of an interval after a sample, and the exact answer."""
+    fine, time_s = 10, np.arange(600) / RATE_HZ
+    fine_s = np.arange(6000) / (fine * RATE_HZ)
+    levels = np.array([0.0, 60.0, 20.0, 80.0, 40.0, 70.0])
+    pressure = np.repeat(levels, 1000)
+    late = np.concatenate((np.zeros(3), pressure[:-3]))
+    angle = linear_angle(fine_s, late)[::fine]
+    channels = {"pressure": late[::fine], "angle": angle}
+    return Log.from_arrays(time_s, channels, name=name)
+
+
+def test_moments_of_jumps_are_opened_without_zeros_and_initial_states() -> None:
+    """Known truth: a model that has no unknown of a log but the moments, which explain what is
+    left; a jump that is drawn over an interval is off by a part of it."""
+    model = Grounded(x_unit="rad", u_unit="kPa")
+    declared = model.parameters().with_values(TRUTH)
+    problem = Problem(model, declared, [stepped_log("fitted")])
+    fit = standing(problem, problem.unknowns(TRUTH))
+    judge = HeldOutLogs((stepped_log("other"),))
+    judged = judge.standing(fit)
+    assert judged.problem.size == len(judged.problem.free)
+    assert np.isfinite(parametric_power(fit, judge, SIGMA))
+    responses = held_out_responses(fit, judged, 1e-6)
+    assert responses is not None
+    opened = responses.opened(1e-6)
+    assert opened.count == 5
+    left = np.concatenate([part.residual for part in opened.parts])
+    assert float(np.nanmean(left**2)) < 0.01 * judge.rms(fit) ** 2
