@@ -68,10 +68,15 @@ OF_REST = (LAW_BESIDE, EVENT_BESIDE)
 
 @dataclass(frozen=True, eq=False)
 class OtherExplanations:
-    """Explanations of what a base leaves that are no causes; each base is looked at once."""
+    """Explanations of what a base leaves that are no causes; each base is looked at once.
+
+    Laws that a single cause may do as well count only against a cause: they are told of a base
+    where they have outdone one.
+    """
 
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
     _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
+    _near_one: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
 
     def events(self, base: BaseFit) -> tuple[Issue, ...]:
         """What differs from log to log, or happened at a moment or for a while.
@@ -116,7 +121,8 @@ class OtherExplanations:
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
         """Whether a law in no catalogue leaves nothing to look for beside a cause.
 
-        One that a single cause may do as well is tried against the cause that does best.
+        One that a single cause may do as well is compared with the cause that does best; where it
+        leaves less, it takes the place of the law that is told of the base.
 
         Parameters
         ----------
@@ -128,7 +134,10 @@ class OtherExplanations:
         found = self._beyond(base)
         if found is not None and found.outdoes(cause):
             return True
-        other = beyond_catalogue(base, noise_variance(base.candidate, base.scale), NEAR_ONE)
+        if base not in self._near_one:
+            noise = noise_variance(base.candidate, base.scale)
+            self._near_one[base] = beyond_catalogue(base, noise, NEAR_ONE)
+        other = self._near_one[base]
         if other is None or not other.outdoes(cause):
             return False
         self._laws[base] = other

@@ -49,10 +49,15 @@ LAW = BeyondCatalogue((OutputPlay(),), 0.99, 0.98, 1.0, 1.0, ((0.03, "1"),))
 def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
     squares: float, outdone: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A tip that swings is told in the place of a cause that leaves more, and else is none."""
+    """A tip that swings is told in the place of a cause that leaves more, and else is none.
+
+    However many causes it is compared with, it is fitted to a base once.
+    """
     swings = BeyondCatalogue((SwingingPart(),), 0.99, 0.98, squares, 1.0)
+    asked: list[Any] = []
 
     def beyond(base: Any, noise: float, laws: Any = ()) -> BeyondCatalogue | None:
+        asked.append(laws)
         return swings if laws is NEAR_ONE else None
 
     monkeypatch.setattr(other_explanations, "beyond_catalogue", beyond)
@@ -60,7 +65,9 @@ def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
     others, base = OtherExplanations(), Base()
     cause: Any = SimpleNamespace(squares=1.0)
     assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
+    assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
     assert [issue.code for issue in others.laws(base)] == [UNLISTED_LAW] * outdone  # type: ignore[arg-type]
+    assert asked == [(), NEAR_ONE]
 
 
 @pytest.mark.parametrize(
