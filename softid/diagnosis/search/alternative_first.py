@@ -63,7 +63,8 @@ def alternative_first_links(
     sigma
         Output channel → scale that its residual is divided by.
     refused
-        What did best where no first cause was found, which is tried before the others.
+        What did best where no first cause was found; if it is not among the `TRIED` that promise
+        most, it is tried besides, before them.
     """
     promising = screen(base, effects, scale, sigma)
     names = dict.fromkeys(s.effect.name for s in promising)
