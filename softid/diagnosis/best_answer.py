@@ -29,7 +29,12 @@ from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.smoothed_record import smoothed_alone
 from softid.diagnosis.searches.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis.searches.without_idle import without_idle
-from softid.diagnosis.verdict.revision import as_unknown, exchanged_causes, with_ties
+from softid.diagnosis.verdict.revision import (
+    as_named_whole,
+    as_unknown,
+    exchanged_causes,
+    with_ties,
+)
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
@@ -105,8 +110,7 @@ def _named_if_told_together(
     told = causes_fitted_together(recordings, request, over, chain.final, answer.remainder)
     if told is None:
         return answered
-    named = replace(answer, verdict=Verdict.NAMED, remainder=left)
-    return _with_issues((named, base, chain), (told,))
+    return _with_issues((as_named_whole(answer, left), base, chain), (told,))
 
 
 def _says_what_it_is(answer: Diagnosis) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from softid.diagnosis.verdict.naming import DOUBTS_OF_BEING
-from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Verdict
+from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects.base import Effect
 
 CLEAR_PART = 0.05
@@ -26,6 +26,19 @@ def as_unknown(answer: Diagnosis) -> Diagnosis:
         The diagnosis; its causes, if it has any, keep their names.
     """
     return replace(answer, verdict=Verdict.UNKNOWN)
+
+
+def as_named_whole(answer: Diagnosis, left: Remainder) -> Diagnosis:
+    """The diagnosis whose causes are all that is missing.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis, of causes in part.
+    left
+        What they leave where what they miss on what is held out is explained otherwise.
+    """
+    return replace(answer, verdict=Verdict.NAMED, remainder=left)
 
 
 def with_names_withdrawn(answer: Diagnosis) -> Diagnosis:

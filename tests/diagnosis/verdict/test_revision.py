@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from handmade_diagnosis import FRICTION, TIE, diagnosis
 
+import softid.diagnosis
 from softid.diagnosis.verdict.revision import (
     exchanged_causes,
     is_outweighed_by_events,
@@ -16,6 +18,13 @@ from softid.diagnosis.verdict.revision import (
 )
 from softid.diagnosis_results import Doubt, Verdict
 from softid.effects import effect_of
+
+
+def test_no_other_file_sets_a_verdict_anew() -> None:
+    """Whoever asks why a verdict changed need look in one place."""
+    package = Path(softid.diagnosis.__file__).parent
+    setting = [f.name for f in package.rglob("*.py") if "verdict=Verdict." in f.read_text("utf-8")]
+    assert setting == ["revision.py"]
 
 
 def test_causes_that_lose_their_names_come_first_among_descriptions() -> None:
