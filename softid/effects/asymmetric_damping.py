@@ -28,7 +28,7 @@ up more slowly grows with the speed, as quadratic damping does."""
 
 @dataclass(frozen=True)
 class AsymmetricDamping(StateEffect):
-    r"""Damping that depends on the direction, N (1 + ε tanh(v/v0)).
+    r"""Damping that depends on the direction, N (1 + eps tanh(v/v0)), v = dx/dt.
 
     Filling and venting take different paths, and a wall that is stretched loses more energy than
     one that comes back.
@@ -38,7 +38,7 @@ class AsymmetricDamping(StateEffect):
 
     name: ClassVar[str] = "asymmetric_damping"
     title: ClassVar[str] = "Damping that differs by direction"
-    law: ClassVar[str] = "N (1 + eps tanh(v/v0)) in place of N"
+    law: ClassVar[str] = "N (1 + eps tanh(v/v0)) in place of N, v = dx/dt"
     meaning: ClassVar[str] = (
         "Motion in one direction is damped more than in the other, so rise and return take "
         "different times."
@@ -59,7 +59,7 @@ class AsymmetricDamping(StateEffect):
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The asymmetry ε, positive where rising is damped more, and the speed v0."""
+        """The asymmetry eps, positive where a growing x is damped more, and the speed v0."""
         return ParameterSet(
             (
                 Parameter(
@@ -68,7 +68,7 @@ class AsymmetricDamping(StateEffect):
                     "1",
                     -LARGEST,
                     LARGEST,
-                    meaning="relative excess of damping while the output rises",
+                    meaning="relative excess of damping while x, the position in the law, grows",
                     source=self.source,
                 ),
                 Parameter(
@@ -90,5 +90,5 @@ class AsymmetricDamping(StateEffect):
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Relative change ε tanh(v/v0) of the damping."""
+        """Relative change eps tanh(v/v0) of the damping."""
         out[DAMPING] += eta[0] * hyperbolic_tangent(v / eta[1])

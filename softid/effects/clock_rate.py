@@ -29,7 +29,7 @@ START_SHARE = 0.5
 
 @dataclass(frozen=True)
 class ClockRate(OutputEffect):
-    """Reading on a clock with another rate, y((1 + ε) t), t from the start of the log.
+    """Reading on a clock with another rate, y(t) = x((1 + rate) t), t from the start of the log.
 
     Between samples the motion is the cubic through its four nearest samples. Before the first and
     after the last one it runs out from its speed there within the motion's own time.
@@ -39,7 +39,7 @@ class ClockRate(OutputEffect):
 
     name: ClassVar[str] = "clock_rate"
     title: ClassVar[str] = "Clock-rate error between input and output"
-    law: ClassVar[str] = "recorded y(t) = y((1 + rate) t)"
+    law: ClassVar[str] = "recorded y(t) = x((1 + rate) t)"
     meaning: ClassVar[str] = (
         "Input and output are time-stamped by two clocks that run at different rates, so the "
         "output is recorded earlier and earlier, or later and later."
@@ -58,7 +58,7 @@ class ClockRate(OutputEffect):
     has_one_form: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The relative rate ε, within five per cent."""
+        """The relative rate, within five per cent."""
         return ParameterSet(
             (
                 Parameter(
@@ -79,7 +79,7 @@ class ClockRate(OutputEffect):
         return tuple({"rate": sign * rate} for rate in _rates(scale) for sign in (1.0, -1.0))
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """The motion read at (1 + ε) t."""
+        """The motion read at (1 + rate) t."""
         at_s = (1.0 + eta[0]) * time_s
         if eta[0] == 0.0 or y.size < 2:
             return np.array(y, np.float64)

@@ -100,7 +100,7 @@ class SeriesCreep(SettlingShare):
     name: ClassVar[str] = "creep"
     variant: ClassVar[str] = "series"
     title: ClassVar[str] = "Creep in proportion to the deflection"
-    law: ClassVar[str] = "y = x + c z,  tau z' + z = x"
+    law: ClassVar[str] = "recorded y = x + c z,  tau z' + z = x"
     meaning: ClassVar[str] = (
         "After a change the reading settles quickly to most of its new value and then creeps "
         "on, by a fraction of the change that is the same at every pressure, because the body, or "

@@ -25,7 +25,7 @@ class Relaxation(SettlingShare):
 
     name: ClassVar[str] = "relaxation"
     title: ClassVar[str] = "Relaxation of the reading"
-    law: ClassVar[str] = "y = x - c z,  tau z' + z = x"
+    law: ClassVar[str] = "recorded y = x - c z,  tau z' + z = x"
     meaning: ClassVar[str] = (
         "After a change the reading settles quickly and then returns, by a fraction of the "
         "change: the force of an actuator that is held relaxes, or a sensor, such as a "

@@ -30,9 +30,9 @@ START_PAIRS = ((0.01, 0.01), (0.1, 0.1), (0.3, 0.1), (0.1, 0.3))
 
 @dataclass(frozen=True)
 class SensorClipping(OutputEffect):
-    """Reading that ends at an upper limit, min(y, ys).
+    """Reading that ends at an upper limit, y = min(x, upper).
 
-    The limit counts from the model's own zero, as y does: what was recorded is flat at the limit
+    The limit counts from the model's own zero, as x does: what was recorded is flat at the limit
     plus the sensor zero of the log. There is no amplitude: the effect
     vanishes when the limit lies beyond all of the motion.
 
@@ -41,7 +41,7 @@ class SensorClipping(OutputEffect):
 
     name: ClassVar[str] = "sensor_clipping"
     title: ClassVar[str] = "Clipping of the sensor at its upper limit"
-    law: ClassVar[str] = "recorded y = min(y, upper) + sensor zero of the log"
+    law: ClassVar[str] = "recorded y = min(x, upper) + sensor zero of the log"
     meaning: ClassVar[str] = (
         "The motion continues, but the reading stops at the end of the sensor's range: at the "
         "limit plus the sensor zero of the log."
@@ -77,14 +77,14 @@ class SensorClipping(OutputEffect):
 
 @dataclass(frozen=True)
 class LowerSensorClipping(SensorClipping):
-    """Reading that ends at a lower limit, max(y, yl).
+    """Reading that ends at a lower limit, y = max(x, lower).
 
     Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.2.
     """
 
     variant: ClassVar[str] = "lower"
     title: ClassVar[str] = "Clipping of the sensor at its lower limit"
-    law: ClassVar[str] = "recorded y = max(y, lower) + sensor zero of the log"
+    law: ClassVar[str] = "recorded y = max(x, lower) + sensor zero of the log"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The lower limit, from 0.7 of the range to a whole range below it."""
@@ -103,14 +103,14 @@ class LowerSensorClipping(SensorClipping):
 
 @dataclass(frozen=True)
 class BothSensorClipping(SensorClipping):
-    """Reading that ends at either end, max(min(y, ys), yl).
+    """Reading that ends at either end, y = max(min(x, upper), lower).
 
     Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.2.
     """
 
     variant: ClassVar[str] = "both"
     title: ClassVar[str] = "Clipping of the sensor at both limits"
-    law: ClassVar[str] = "recorded y = max(min(y, upper), lower) + sensor zero of the log"
+    law: ClassVar[str] = "recorded y = max(min(x, upper), lower) + sensor zero of the log"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The upper and the lower limit."""

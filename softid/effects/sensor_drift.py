@@ -25,14 +25,14 @@ START_SHARE = 0.05
 
 @dataclass(frozen=True)
 class SensorDrift(OneStart, OutputEffect):
-    """Drift at a constant rate r, y + r t.
+    """Drift at a constant rate, y = x + rate t.
 
     Source: Fraden, *Handbook of Modern Sensors*, 5th ed. 2016, ch. 3.
     """
 
     name: ClassVar[str] = "sensor_drift"
     title: ClassVar[str] = "Drift of the sensor"
-    law: ClassVar[str] = "recorded y = y + rate t"
+    law: ClassVar[str] = "recorded y = x + rate t"
     meaning: ClassVar[str] = "The sensor's reading wanders at a constant rate while nothing moves."
     signature: ClassVar[str] = "The residual is a straight line over the whole log."
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "ageing", "creep")
@@ -44,7 +44,7 @@ class SensorDrift(OneStart, OutputEffect):
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate r, at most twice the output's range within the log."""
+        """The rate, at most twice the output's range within the log."""
         largest = LARGEST_SHARE * scale.y_span / scale.duration_s
         return ParameterSet(
             (
@@ -61,7 +61,7 @@ class SensorDrift(OneStart, OutputEffect):
         )
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """Add r t."""
+        """Add rate t."""
         del scale
         drifting: Array = y + eta[0] * time_s
         return drifting

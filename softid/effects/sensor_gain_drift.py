@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SensorGainDrift(OneStart, OutputEffect):
-    """Gain that changes at a constant rate, y (1 + g t), t from the start of the log.
+    """Gain that changes at a constant rate, y = x (1 + g t), t from the start of the log.
 
     At rest it is what a stiffness that changes with time does; in motion that changes the time
     constant, too.
@@ -29,7 +29,7 @@ class SensorGainDrift(OneStart, OutputEffect):
 
     name: ClassVar[str] = "sensor_gain_drift"
     title: ClassVar[str] = "Drift of the sensor's gain"
-    law: ClassVar[str] = "recorded y = y (1 + g t)"
+    law: ClassVar[str] = "recorded y = x (1 + g t)"
     meaning: ClassVar[str] = (
         "For the same motion the reading slowly grows or shrinks, for example because the "
         "sensor's temperature or supply voltage changes."

@@ -30,7 +30,7 @@ class SensorLag(OutputEffect):
 
     name: ClassVar[str] = "sensor_lag"
     title: ClassVar[str] = "Lag of the sensor"
-    law: ClassVar[str] = "tau y' + y = x"
+    law: ClassVar[str] = "recorded y: tau y' + y = x"
     meaning: ClassVar[str] = (
         "The reading follows the motion exponentially, because the sensor or a filter behind it "
         "averages over a time of its own."

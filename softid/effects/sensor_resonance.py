@@ -39,7 +39,7 @@ class SensorResonance(OutputEffect):
 
     name: ClassVar[str] = "sensor_resonance"
     title: ClassVar[str] = "Resonance of the sensor"
-    law: ClassVar[str] = "y''/w^2 + 2 zeta y'/w + y = x,  w = 2 pi/period"
+    law: ClassVar[str] = "recorded y: y''/w^2 + 2 zeta y'/w + y = x,  w = 2 pi/period"
     meaning: ClassVar[str] = (
         "The sensor swings on its mount, or a smoothing filter behind it has more than one time "
         "constant, so the reading follows the motion late and may overshoot it."

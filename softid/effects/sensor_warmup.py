@@ -33,16 +33,16 @@ TIMES = (0.05, 0.2, 0.6)
 
 @dataclass(frozen=True)
 class SensorWarmup(OutputEffect):
-    """Exponential wander after switching on, y + D (1 − e^{−t/T}), t from the start of the log.
+    """Exponential wander after switching on, y = x + size (1 − e^{−t/time}).
 
-    D is its size and T its time.
+    t counts from the start of the log.
 
     Source: Fraden, *Handbook of Modern Sensors*, 5th ed. 2016, ch. 3.
     """
 
     name: ClassVar[str] = "sensor_warmup"
     title: ClassVar[str] = "Warm-up of the sensor"
-    law: ClassVar[str] = "recorded y = y + size (1 - exp(-t/time))"
+    law: ClassVar[str] = "recorded y = x + size (1 - exp(-t/time))"
     meaning: ClassVar[str] = (
         "The sensor's zero wanders after it was switched on and comes to rest as the sensor gets "
         "warm."
@@ -62,7 +62,7 @@ class SensorWarmup(OutputEffect):
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The wander D, at most the output's range, and its time T, at most two logs."""
+        """The size, at most the output's range, and the time, at most two logs."""
         shortest, longest = time_bounds(scale, periods=SETTLING_PERIODS, share=LONGEST_SHARE)
         return ParameterSet(
             (
@@ -95,7 +95,7 @@ class SensorWarmup(OutputEffect):
         return tuple({"size": declared["size"].value, "time": time} for time in times)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """Add D (1 − e^{−t/T})."""
+        """Add size (1 − e^{−t/time})."""
         del scale
         warming: Array = y - eta[0] * np.expm1(-time_s / eta[1])
         return warming

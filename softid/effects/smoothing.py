@@ -54,10 +54,10 @@ class _Smoothed(OutputEffect):
 
 @dataclass(frozen=True)
 class Smoothing(_Smoothed):
-    """A Butterworth filter that ran there and back, Y(f) = X(f)/(1 + (f T)^(2n)).
+    """A Butterworth filter that ran there and back, Y(f) = X(f)/(1 + (f period)^(2 order)).
 
-    It delays nothing, and a half is left at the cut-off 1/T. Between the first and the third order
-    it is close to a Gaussian, to a mean and to a moving polynomial.
+    It delays nothing, and a half is left at the cut-off 1/period. Between the first and the third
+    order it is close to a Gaussian, to a mean and to a moving polynomial.
 
     Source: Gustafsson, *IEEE Trans. Signal Process.* 44, 988 (1996), doi 10.1109/78.492552, for the
     way there and back; Butterworth, *Wireless Engineer* 7, 536 (1930), for the filter.
@@ -73,7 +73,7 @@ class Smoothing(_Smoothed):
     essential: ClassVar[tuple[str, ...]] = ("period",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The period T at the cut-off, and the order n of the filter."""
+        """The period at the cut-off, and the order of the filter."""
         order = Parameter(
             "order",
             ORDER,
@@ -123,7 +123,7 @@ class Smoothing(_Smoothed):
 
 @dataclass(frozen=True)
 class MeanSmoothing(_Smoothed):
-    """A centred mean, y(t) = mean of x from t − w/2 to t + w/2.
+    """A centred mean, y(t) = mean of x from t − width/2 to t + width/2.
 
     Source: Oppenheim and Schafer, *Discrete-Time Signal Processing*, 3rd ed. 2010, §2.2, the moving
     average with as many samples before as after.
@@ -132,7 +132,7 @@ class MeanSmoothing(_Smoothed):
     name: ClassVar[str] = "smoothing"
     variant: ClassVar[str] = "mean"
     title: ClassVar[str] = "Centred mean over the record"
-    law: ClassVar[str] = "recorded y(t) = mean of y from t - width/2 to t + width/2"
+    law: ClassVar[str] = "recorded y(t) = mean of x from t - width/2 to t + width/2"
     source: ClassVar[str] = (
         "Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, §2.2"
     )
@@ -140,7 +140,7 @@ class MeanSmoothing(_Smoothed):
     essential: ClassVar[tuple[str, ...]] = ("width",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The width w of the window."""
+        """The width of the window."""
         return ParameterSet((_time("width", scale, "width of the window", self.source),))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
@@ -159,9 +159,10 @@ class MeanSmoothing(_Smoothed):
 
 @dataclass(frozen=True)
 class PastSmoothing(MeanSmoothing):
-    """A moving average, y(t) = mean of x from t − w to t, as a sensor or its converter forms it.
+    """A moving average, y(t) = mean of x from t − width to t.
 
-    Before the first sample the motion rests. It is a delay by w/2 and a centred mean.
+    A sensor or its converter forms it. Before the first sample the motion rests. It is a delay
+    by width/2 and a centred mean.
 
     Source: Oppenheim and Schafer, *Discrete-Time Signal Processing*, 3rd ed. 2010, §2.2, the moving
     average that is causal.
@@ -169,7 +170,7 @@ class PastSmoothing(MeanSmoothing):
 
     variant: ClassVar[str] = "past"
     title: ClassVar[str] = "Moving average of the reading"
-    law: ClassVar[str] = "recorded y(t) = mean of y from t - width to t"
+    law: ClassVar[str] = "recorded y(t) = mean of x from t - width to t"
     meaning: ClassVar[str] = (
         "The sensor, or what reads it, averages over the last samples: the reading follows the "
         "motion late, has arrived when the window has passed, and has lost edges and fast noise."

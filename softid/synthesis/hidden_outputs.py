@@ -256,41 +256,41 @@ def _clip_draw(*ends: str) -> Callable[[Sizes, Generator, float], dict[str, floa
 
 OUTPUTS: tuple[Hidden, ...] = (
     entry(
-        "sensor_drift", "output", "recorded y = y + rate t", "rate {x}/s",
+        "sensor_drift", "output", "recorded y = x + rate t", "rate {x}/s",
         lambda s, rng, size: {
             "rate": either(rng) * about(rng, 0.12 * size * s.x_span / s.duration_s),
         }, _drift,
     ),
     entry(
-        "sensor_gain_drift", "output", "recorded y = y (1 + g t)", "g 1/s",
+        "sensor_gain_drift", "output", "recorded y = x (1 + g t)", "g 1/s",
         lambda s, rng, size: {"g": either(rng) * about(rng, 0.12 * size / s.duration_s)},
         _gain_drift,
     ),
     entry(
-        "sensor_warmup", "output", "recorded y = y + size (1 - exp(-t/time))", "size {x}, time s",
+        "sensor_warmup", "output", "recorded y = x + size (1 - exp(-t/time))", "size {x}, time s",
         lambda s, rng, size: {
             "size": either(rng) * about(rng, 0.12 * size * s.x_span),
             "time": rng.uniform(0.1, 0.3) * s.duration_s,
         }, _warmup,
     ),
     entry(
-        "creep.series", "output", "y = x + c z, tau z' + z = x", "c 1, tau s",
+        "creep.series", "output", "recorded y = x + c z, tau z' + z = x", "c 1, tau s",
         lambda s, rng, size: {
             "c": about(rng, 0.12 * size), "tau": between(rng, 0.04, 0.15) * s.duration_s,
         }, _series_creep,
     ),
     entry(
-        "relaxation", "output", "y = x - c z, tau z' + z = x", "c 1, tau s",
+        "relaxation", "output", "recorded y = x - c z, tau z' + z = x", "c 1, tau s",
         lambda s, rng, size: {
             "c": about(rng, 0.12 * size), "tau": between(rng, 0.04, 0.15) * s.duration_s,
         }, _relaxation,
     ),
     entry(
-        "sensor_lag", "output", "tau y' + y = x", "tau s",
+        "sensor_lag", "output", "recorded y: tau y' + y = x", "tau s",
         lambda s, rng, size: {"tau": about(rng, 0.5 * size * s.motion_s)}, _lag,
     ),
     entry(
-        "sensor_resonance", "output", "y''/w^2 + 2 zeta y'/w + y = x, w = 2 pi/period",
+        "sensor_resonance", "output", "recorded y: y''/w^2 + 2 zeta y'/w + y = x, w = 2 pi/period",
         "period s, zeta 1",
         lambda s, rng, size: {
             "period": about(rng, size * (0.1 + 1.2 * s.motion_s)), "zeta": rng.uniform(0.15, 0.8),
@@ -310,30 +310,30 @@ OUTPUTS: tuple[Hidden, ...] = (
         _centred_mean,
     ),
     entry(
-        "smoothing.past", "output", "recorded y = mean of y over the last width s", "width s",
+        "smoothing.past", "output", "recorded y = mean of x over the last width s", "width s",
         lambda s, rng, size: {"width": max(about(rng, 1.2 * size * s.motion_s), SHORTEST_S)},
         _moving_average,
     ),
     entry(
-        "sensor_clipping", "output", "recorded y = min(y, upper)", "upper {x}",
+        "sensor_clipping", "output", "recorded y = min(x, upper)", "upper {x}",
         _clip_draw("upper"), _clipping,
     ),
     entry(
-        "sensor_clipping.lower", "output", "recorded y = max(y, lower)", "lower {x}",
+        "sensor_clipping.lower", "output", "recorded y = max(x, lower)", "lower {x}",
         _clip_draw("lower"), _clipping,
     ),
     entry(
-        "sensor_clipping.both", "output", "recorded y = max(min(y, upper), lower)",
+        "sensor_clipping.both", "output", "recorded y = max(min(x, upper), lower)",
         "upper {x}, lower {x}", _clip_draw("upper", "lower"), _clipping,
     ),
     entry(
-        "clock_rate", "output", "recorded y(t) = y((1 + rate) t)", "rate 1",
+        "clock_rate", "output", "recorded y(t) = x((1 + rate) t)", "rate 1",
         lambda s, rng, size: {
             "rate": either(rng) * min(about(rng, 0.8 * size * s.motion_s / s.duration_s), 0.045),
         }, _clock,
     ),
     entry(
-        "soft_clipping", "output", "recorded y = upper - w ln(1 + exp((upper - y)/w))",
+        "soft_clipping", "output", "recorded y = upper - width ln(1 + exp((upper - x)/width))",
         "upper {x}, width {x}",
         lambda s, rng, size: {
             "upper": s.x_high - about(rng, 0.12 * size * s.x_span), "width": 0.03 * s.x_span,
@@ -345,13 +345,13 @@ OUTPUTS: tuple[Hidden, ...] = (
         _backlash, relation="outside",
     ),
     entry(
-        "s_shaped_sensor", "output", "recorded y = y + amplitude sin(2 pi (y - y_low)/y_span)",
+        "s_shaped_sensor", "output", "recorded y = x + amplitude sin(2 pi (x - x_low)/x_span)",
         "amplitude {x}",
         lambda s, rng, size: {"amplitude": either(rng) * about(rng, 0.05 * size * s.x_span)},
         _s_shape, relation="outside",
     ),
     entry(
-        "saturating_sensor", "output", "recorded y = y_low + full tanh((y - y_low)/full)",
+        "saturating_sensor", "output", "recorded y = x_low + full tanh((x - x_low)/full)",
         "full {x}", lambda s, rng, size: {"full": 1.6 * s.x_span / about(rng, size)},
         _saturating, relation="outside",
     ),
@@ -363,14 +363,14 @@ OUTPUTS: tuple[Hidden, ...] = (
         }, _slip, relation="outside",
     ),
     entry(
-        "clock_slip", "output", "recorded y(t) = y(t - slip) from one moment on", "slip s, at s",
+        "clock_slip", "output", "recorded y(t) = x(t - slip) from one moment on", "slip s, at s",
         lambda s, rng, size: {
             "slip": about(rng, 0.5 * size * s.motion_s),
             "at": rng.uniform(0.3, 0.7) * s.duration_s,
         }, _clock_slip, relation="outside",
     ),
     entry(
-        "gain_jump", "output", "recorded y = y (1 + change) from one moment on", "change 1, at s",
+        "gain_jump", "output", "recorded y = x (1 + change) from one moment on", "change 1, at s",
         lambda s, rng, size: {
             "change": either(rng) * about(rng, 0.08 * size),
             "at": rng.uniform(0.3, 0.7) * s.duration_s,

@@ -51,13 +51,13 @@ def _swinging_tip(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw
 
 SENSORS: tuple[Hidden, ...] = (
     entry(
-        "pressure_pickup", "output", "recorded y = y + gain p", "gain {x}/kPa",
+        "pressure_pickup", "output", "recorded y = x + gain p", "gain {x}/kPa",
         lambda s, rng, size: {"gain": either(rng) * about(rng, 0.06 * size * s.x_span / s.p_span)},
         _pickup, relation="outside",
     ),
     entry(
         "swinging_tip", "output",
-        "y = (1 - share) x + share z, z''/w^2 + 2 zeta z'/w + z = x, w = 2 pi/period",
+        "recorded y = (1 - share) x + share z, z''/w^2 + 2 zeta z'/w + z = x, w = 2 pi/period",
         "share 1, period s, zeta 1",
         lambda s, rng, size: {
             "share": about(rng, 0.3 * size), "period": rng.uniform(0.15, 0.5),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -65,6 +66,17 @@ def test_the_law_names_every_parameter(key: str) -> None:
     effect, scale = EFFECTS[key](), muscle_scale()
     for law in (effect.law, effect.law_at(scale)):
         assert unnamed_in(law, effect.parameters(scale).names) == set()
+
+
+@pytest.mark.parametrize("key", [key for key in EFFECTS if EFFECTS[key].stage == "output"])
+def test_y_is_what_was_recorded_and_x_what_was_not_changed(key: str) -> None:
+    """No letter stands for both: where y is given outright, no y is left on the other side."""
+    law = EFFECTS[key].law
+    assert law.lower().startswith("recorded y")
+    left, right = law.lower().split(" = ", 1)
+    assert "x" in re.findall(r"[a-z]+", right)
+    if ":" not in left:
+        assert "y" not in re.findall(r"[a-z]+", right)
 
 
 @pytest.mark.parametrize("key", EFFECTS)

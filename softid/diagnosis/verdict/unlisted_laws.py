@@ -82,8 +82,8 @@ class BentReading(OutputEffect):
     name: ClassVar[str] = "bent_reading"
     title: ClassVar[str] = "Nonlinear sensor"
     law: ClassVar[str] = (
-        "recorded y = y + y_span (b1 sin(pi xi) + b2 sin(2 pi xi) + b3 sin(3 pi xi)), xi y within "
-        "its range"
+        "recorded y = x + y_span (b1 sin(pi xi) + b2 sin(2 pi xi) + b3 sin(3 pi xi)), xi x within "
+        "the range of y"
     )
     meaning: ClassVar[str] = (
         "The gain of the sensor differs from one end of its range to the other."

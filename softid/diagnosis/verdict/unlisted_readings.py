@@ -56,7 +56,7 @@ class EarlyReading(OutputEffect):
 
     name: ClassVar[str] = "early_reading"
     title: ClassVar[str] = "Reading that runs ahead"
-    law: ClassVar[str] = "recorded y(t) = y(t + s)"
+    law: ClassVar[str] = "recorded y(t) = x(t + s)"
     meaning: ClassVar[str] = "The clocks are offset, or the pressure is recorded late."
     signature: ClassVar[str] = "The residual goes with the speed; the output moves first."
     remedy: ClassVar[str] = "both channels with one clock, and the pressure with a faster gauge"
@@ -166,7 +166,9 @@ class UnevenReading(OutputEffect):
 
     name: ClassVar[str] = "uneven_reading"
     title: ClassVar[str] = "Sensor that lags unevenly"
-    law: ClassVar[str] = "tau y' + y = x while it rises, ratio tau y' + y = x while it falls"
+    law: ClassVar[str] = (
+        "recorded y: tau y' + y = x while it rises, ratio tau y' + y = x while it falls"
+    )
     meaning: ClassVar[str] = "The sensor follows the motion faster one way than the other."
     signature: ClassVar[str] = "The residual goes with the speed, by another factor up than down."
     remedy: ClassVar[str] = "a sensor that is clamped so that it is pulled both ways alike"
@@ -199,7 +201,7 @@ class Feedthrough(OutputEffect):
 
     name: ClassVar[str] = "feedthrough"
     title: ClassVar[str] = "Sensor that answers to the pressure"
-    law: ClassVar[str] = "recorded y = y + g y_span (u - u_low)/u_span"
+    law: ClassVar[str] = "recorded y = x + g y_span (u - u_low)/u_span"
     meaning: ClassVar[str] = (
         "The pressure stretches or heats the sensor itself, or its wires pick up the valve, so "
         "part of the reading comes at once."
@@ -243,7 +245,7 @@ class SwingingPart(OutputEffect):
     name: ClassVar[str] = "swinging_part"
     title: ClassVar[str] = "Part of the reading that swings"
     law: ClassVar[str] = (
-        "recorded y = (1 - c) y + c r,  r''/w^2 + 2 zeta r'/w + r = y, w = 2 pi/period"
+        "recorded y = (1 - c) x + c r,  r''/w^2 + 2 zeta r'/w + r = x, w = 2 pi/period"
     )
     meaning: ClassVar[str] = (
         "The marker or the tip that carries it swings on what is bent, as a second mode does."
