@@ -70,7 +70,7 @@ class QuadraticDamping(OneStart, StateEffect):
                 Parameter(
                     "d2",
                     SHARE * size,
-                    f"{scale.force_unit}·s²/{scale.x_unit}²",
+                    _unit(scale),
                     LEAST_AMPLITUDE * size,
                     LARGEST * size,
                     "log",
@@ -84,6 +84,12 @@ class QuadraticDamping(OneStart, StateEffect):
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Force d2 v |v|."""
         out[FORCE] += eta[0] * v * abs(v)
+
+
+def _unit(scale: Scale) -> str:
+    """Of a force per square of the speed; a model whose force is a number has no factor for it."""
+    force = "" if scale.force_unit == "1" else f"{scale.force_unit}·"
+    return f"{force}s²/{scale.x_unit}²"
 
 
 @dataclass(frozen=True)

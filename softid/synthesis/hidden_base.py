@@ -185,7 +185,8 @@ class Hidden:
         sizes
             Those of the actuator.
         """
-        return {k: u.format(x=sizes.x_unit, f=sizes.force_unit) for k, u in self.units.items()}
+        told = {k: u.format(x=sizes.x_unit, f=sizes.force_unit) for k, u in self.units.items()}
+        return {k: u.removeprefix("1·") for k, u in told.items()}  # a number is no factor
 
 
 def entry(

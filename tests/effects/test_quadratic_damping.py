@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from textbook_effects import oscillation, round_scale, segment
@@ -22,6 +24,16 @@ def test_fall_to_terminal_speed(push: float) -> None:
     )  # fmt: skip
     expected = mass / drag * np.log(np.cosh(time_s * np.sqrt(abs(push) * drag) / mass))
     np.testing.assert_allclose(found, np.sign(push) * expected, atol=1e-5 * expected[-1])
+
+
+@pytest.mark.parametrize(
+    ("force_unit", "unit"), [("kPa", "kPa·s²/rad²"), ("N·m", "N·m·s²/rad²"), ("1", "s²/rad²")]
+)
+def test_a_force_without_a_unit_is_no_factor(force_unit: str, unit: str) -> None:
+    """A muscle's equation is divided by its force, and its own parameters have no 1· either."""
+    scale = replace(round_scale(), force_unit=force_unit, x_unit="rad")
+    for law in (QuadraticDamping(), PowerDamping()):
+        assert law.parameters(scale)["d2"].unit == unit
 
 
 @pytest.mark.parametrize("power", [1.5, 3.0, 4.0])
