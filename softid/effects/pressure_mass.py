@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 from softid.effects.base import MOST_LOST, StateEffect
 from softid.effects.scale import Scale
 from softid.effects.shared_laws.one_start import OneStart
+from softid.effects.shared_laws.pressed_surfaces import largest_input
 from softid.kernels.terms import INERTIA
 from softid.parameters import Parameter, ParameterSet
 
@@ -49,7 +50,7 @@ class PressureMass(OneStart, StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The relative change m per unit of input; the inertia stays positive over its range."""
-        reach = max(abs(scale.u_low), abs(scale.u_high))
+        reach = largest_input(scale)
         largest, smallest = HEAVIEST / reach, -HEAVIEST / reach
         if scale.u_low < 0.0:
             largest = min(largest, -MOST_LOST / scale.u_low)

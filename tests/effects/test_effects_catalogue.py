@@ -121,6 +121,23 @@ def test_parameters_and_starts(key: str, base: str) -> None:
         assert not effect.amplitudes or any(start[name] != 0.0 for name in effect.amplitudes)
 
 
+@pytest.mark.parametrize(
+    "odd",
+    [{"duration_s": 0.1, "period_s": 0.01}, {"u_low": 0.0, "u_high": 0.0}],
+    ids=["ten samples", "no input"],
+)
+@pytest.mark.parametrize("key", EFFECTS)
+def test_sizes_at_the_edge_give_bounds_and_starts(key: str, odd: dict[str, float]) -> None:
+    """A log of a few samples, and one whose input is zero throughout, leave a way to search."""
+    effect, scale = EFFECTS[key](), replace(rig("muscle")[1], **odd)
+    declared = effect.parameters(scale)
+    for p in declared.values():
+        assert np.isfinite([p.lower, p.upper]).all()
+    for start in effect.starts(scale):
+        for name, value in start.items():
+            assert declared[name].lower <= value <= declared[name].upper
+
+
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("key", [key for key in EFFECTS if EFFECTS[key]().amplitudes])

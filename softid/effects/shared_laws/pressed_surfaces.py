@@ -17,14 +17,14 @@ SHOWN_BY = "slow strokes up and down about a low and about a high pressure"
 
 
 def largest_input(scale: Scale) -> float:
-    """The largest size of the input, of either sign.
+    """The largest size of the input, of either sign; one unit where it is zero throughout.
 
     Parameters
     ----------
     scale
         Sizes of the logs.
     """
-    return max(abs(scale.u_low), abs(scale.u_high))
+    return max(abs(scale.u_low), abs(scale.u_high)) or 1.0
 
 
 def growth(scale: Scale) -> Parameter:

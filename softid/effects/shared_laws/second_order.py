@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from softid.effects.scale import Scale
-from softid.effects.shared_laws.time_constants import first_time, last_time
+from softid.effects.shared_laws.time_constants import first_time, last_time, time_bounds
 from softid.parameters import Parameter, ParameterSet
 
 SHORTEST_PERIODS = 4.0
@@ -16,7 +16,8 @@ SHORTEST_PERIODS = 4.0
 does between two samples."""
 
 LONGEST_SHARE = 0.25
-"""Longest ringing period as a share of the log, which then holds four of them."""
+"""Longest ringing period as a share of the log, which then holds four of them, unless it has hardly
+more samples than a period."""
 
 ZETA = (0.02, 3.0)
 """Bounds of the damping ratio. At the lower one a ring takes nine periods to fall to a third; air
@@ -54,8 +55,7 @@ def ringing_parameters(scale: Scale, *, what: str, source: str) -> ParameterSet:
                 "period",
                 _periods(scale)[1],
                 "s",
-                SHORTEST_PERIODS * scale.period_s,
-                LONGEST_SHARE * scale.duration_s,
+                *_bounds(scale),
                 "log",
                 meaning="period of the undamped ringing",
                 source=source,
@@ -141,9 +141,14 @@ def shorter_time(values: Mapping[str, float]) -> float:
     return both[1] if both is not None else math.inf
 
 
+def _bounds(scale: Scale) -> tuple[float, float]:
+    """Shortest and longest period, in seconds."""
+    return time_bounds(scale, periods=SHORTEST_PERIODS, share=LONGEST_SHARE)
+
+
 def _periods(scale: Scale) -> tuple[float, ...]:
-    longest = 0.5 * LONGEST_SHARE * scale.duration_s
-    shortest = first_time(scale, longest, periods=START_PERIODS)
-    shortest = max(shortest, SHORTEST_PERIODS * scale.period_s)
+    least, most = _bounds(scale)
+    longest = 0.5 * most
+    shortest = max(first_time(scale, longest, periods=START_PERIODS), least)
     slowest = last_time(SLOWEST * scale.motion_s, shortest, longest)
     return tuple(np.geomspace(shortest, slowest, 4).tolist())
