@@ -116,14 +116,21 @@ def print_text(text: str) -> None:
 def model_text(spec: ModelSpec) -> str:
     """Model, the options that were set, and its effects, for people."""
     options = [
-        _sized_option(name, value)
-        if isinstance(value, float | int)
-        else f"{_worded(value)} {name.replace('_', ' ')}"
+        _option(name, value)
         for name, value in spec.options.items()
         if value not in (None, False, "") and not name.endswith("_unit")
     ]
     base = f"{spec.name} ({', '.join(options)})" if options else spec.name
     return " + ".join((base, *spec.effects))
+
+
+def _option(name: str, value: str | float | bool) -> str:
+    """An option that was set; a switch is by its name alone."""
+    if isinstance(value, bool):
+        return name.replace("_", " ")
+    if isinstance(value, float | int):
+        return _sized_option(name, value)
+    return f"{_worded(value)} {name.replace('_', ' ')}"
 
 
 def _sized_option(name: str, value: float) -> str:

@@ -10,6 +10,7 @@ from desk import Desk, Outcome
 from handmade import fit_result
 
 from softid.errors import Issue
+from softid.models import Oscillator
 from softid.results import ModelSpec
 from softid_cli.main import COMMANDS
 from softid_cli.tables import model_text
@@ -95,6 +96,13 @@ def test_assumed_values_are_told_in_words() -> None:
     )
     told = model_text(ModelSpec("equilibrium", {"assumed": "", "inertia": "root-moment"}))
     assert told == "equilibrium (root-moment inertia)"
+
+
+def test_a_switch_is_told_by_its_name() -> None:
+    """An actuator that falls is "inverted", not "inverted 1"; one that rises is worth no word."""
+    falls = Oscillator(order="first", inverted=True).spec()
+    assert model_text(falls) == "oscillator (first order, linear spring, inverted)"
+    assert "inverted" not in model_text(Oscillator().spec())
 
 
 def test_no_word_of_a_table_is_cut(softid: Cli, desk: Desk) -> None:
