@@ -264,8 +264,9 @@ def _tie(parameters: lmfit.Parameters, name: str, expression: str) -> None:
     if unknown:
         raise _not_computable(f"there is no parameter {unknown[0]}", name, expression)
     try:
-        parameters[name].expr = expression
-        parameters.update_constraints()
+        with np.errstate(all="ignore"):
+            parameters[name].expr = expression
+            parameters.update_constraints()
     except RecursionError as error:
         raise _not_computable("the parameter depends on itself", name, expression) from error
     except Exception as error:

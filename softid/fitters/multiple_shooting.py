@@ -48,6 +48,8 @@ class PiecewiseProblem(Problem):
         """Unknowns at given parameter values, every piece starting at its first measured sample."""
         z = self.unknowns(values)
         name, theta = self.outputs[0], self.theta(z)
+        if not np.isfinite(theta).all():
+            return z  # a tie is broken there, and nothing can be simulated
         for k, segment in enumerate(self.segments):
             states, first = self.state_positions(k), np.flatnonzero(segment.used[name])
             if not states or not first.size or not self.has_equilibrium:

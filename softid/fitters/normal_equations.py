@@ -248,6 +248,9 @@ def _pieces(
 ) -> list[Piece]:
     found: list[Piece] = []
     theta = problem.theta(z)
+    if not np.isfinite(theta).all():
+        blocks = problem.blocks(z, derivatives=True)
+        return [piece_of_block(problem, block, keep=False) for block in blocks]
     chain = problem.chain(z, theta)
     for k in range(len(problem.segments)):
         plan = plans[k] if plans is not None else None

@@ -18,10 +18,10 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.blocks import Block
+from softid.fitters.blocks import Block, undefined_blocks
 from softid.fitters.reach import FREE_REACH, parameter_reach, sizes_of_states, usual_motion
 from softid.fitters.rest import spans_of, starts_at_rest
-from softid.fitters.ties import tie_function, tied_slopes
+from softid.fitters.ties import tied_slopes, ties_of
 from softid.log import Log
 from softid.models.base import Model, Response
 from softid.models.division import Division
@@ -65,9 +65,9 @@ class Problem:
         self.free = parameters.free
         self._free_index = [parameters.names.index(name) for name in self.free]
         self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
-        self._tied = tie_function(parameters)
+        self.ties = ties_of(parameters)
         self._values = parameters.values_vector()
-        at_start = self._values if self._tied is None else self._tied(self._values)
+        at_start = self._values if self.ties is None else self.ties.nearest(self._values)
         self.has_equilibrium = all(
             np.isfinite(model.static_output(at_start, s.input[:1], self.outputs[0])[0])
             for s in self.segments
@@ -118,8 +118,9 @@ class Problem:
     def plans(self, z: Array) -> list[Division | None]:
         """Division of every segment's sampling intervals that the parameters at ``z`` call for."""
         theta = self.theta(z)
+        is_known = np.isfinite(theta).all()
         with np.errstate(all="ignore"):
-            return [self.model.plan(theta, segment) for segment in self.segments]
+            return [self.model.plan(theta, s) if is_known else None for s in self.segments]
 
     def _layout(self) -> None:
         vars(self).pop("_reach", None)  # that of other segments
@@ -171,8 +172,7 @@ class Problem:
 
     @cached_property
     def _reach(self) -> Array:
-        rows = [self.parameters[name] for name in self.free]
-        far = parameter_reach(rows, self.logs[0], self.segments)
+        far = parameter_reach([self.parameters[n] for n in self.free], self.logs[0], self.segments)
         return np.concatenate((far, FREE_REACH * self._nuisance_sizes()))
 
     def _nuisance_sizes(self) -> Array:
@@ -311,12 +311,12 @@ class Problem:
         )
 
     def theta(self, z: Array) -> Array:
-        """All parameter values at the unknowns, shape (K,)."""
+        """All parameter values at the unknowns, shape (K,); NaN where a tie is broken."""
         values = self._values.copy()
         free = z[: len(self.free)].copy()
         np.exp(free, out=free, where=self._log_scaled)
         values[self._free_index] = free
-        return values if self._tied is None else self._tied(values)
+        return values if self.ties is None else self.ties(values)
 
     def values(self, z: Array) -> dict[str, float]:
         """Parameter → value at the unknowns."""
@@ -332,11 +332,10 @@ class Problem:
         chain = np.zeros((theta.size, len(self.free)))
         slope = np.where(self._log_scaled, theta[self._free_index], 1.0)
         chain[self._free_index, np.arange(len(self.free))] = slope
-        if self._tied is not None:
+        if self.ties is not None:
             sizes = np.abs(theta[self._free_index])
-            far = np.maximum(sizes, self.reach()[: len(self.free)])
-            sizes = np.where(self._log_scaled, sizes, far)
-            chain = tied_slopes(self._tied, theta, self._free_index, sizes) * slope
+            far = np.where(self._log_scaled, 0.0, self.reach()[: len(self.free)])
+            chain = tied_slopes(self.ties, theta, self._free_index, np.maximum(sizes, far)) * slope
         return chain
 
     def blocks(
@@ -361,6 +360,10 @@ class Problem:
             Index of the only segment wanted; None for all.
         """
         theta = self.theta(z)
+        if not np.isfinite(theta).all():
+            size = self.size if derivatives else None
+            yield from undefined_blocks(self.segments, self.outputs, size, only=only)
+            return
         chain = self.chain(z, theta) if derivatives else None
         for k, segment in enumerate(self.segments):
             if only is not None and k != only:

@@ -45,6 +45,7 @@ def searched(
     far
         Whether the starts may be far off, so that fewer samples lead the way.
     """
+    starts = [start for start in starts if keeps_ties(objective.problem, start)]
     rough: Problem | None = None
     first = 1 if alone_if_white else SCOUTS
     most = FIRST_TIMES * SCOUT_EVALUATIONS
@@ -64,6 +65,19 @@ def searched(
         if at_noise_level(objective.problem, scouted[0][0]):
             return scouted, True
     return scouted, False
+
+
+def keeps_ties(problem: Problem, start: Mapping[str, float]) -> bool:
+    """Whether every tie stays within its bounds at a start.
+
+    Parameters
+    ----------
+    problem
+        What is to be fitted.
+    start
+        Parameter name → value.
+    """
+    return bool(np.isfinite(problem.theta(problem.free_unknowns(start))).all())
 
 
 def scouts(

@@ -46,6 +46,7 @@ from softid.identification.preparation import (
 from softid.identification.repeated_input import without_repeats
 from softid.identification.response_sign import falls_with_input, opposed
 from softid.identification.slow_outputs import at_readings
+from softid.identification.tied_parameters import require_room_of_ties, require_tied_starts
 from softid.identification.unit_slips import unit_slips
 from softid.intersample import HELD
 from softid.log import Log, LogSet
@@ -115,9 +116,11 @@ def fit(
         The logs cannot identify anything: constant input, dead output.
     UsageError
         The model is unknown or does not link the channels, the logs' roles or units differ,
-        parameters are given without a model, or an argument is not what it has to be.
+        parameters are given without a model, a tie leaves its bounds wherever the search begins, or
+        an argument is not what it has to be.
     IdentificationError
-        The samples are too few, or the output does not follow the input.
+        The samples are too few, the output does not follow the input, or the best fit lies beyond a
+        bound of a tied parameter.
 
     Examples
     --------
@@ -261,6 +264,7 @@ def identify(
             found = optimise(taken, constraints, starts)
         elif _is_straight(other) and not explains_better(own, other, -BETTER_BY):
             taken = with_bends_told(taken)
+    require_room_of_ties(found.problem, found.optimum)
     intersample = taken.logs[0].intersample
     if intersample is not None:
         problem, unknowns = found.problem, found.optimum.unknowns
@@ -327,9 +331,9 @@ def _identify(
     if starts is None:
         guesses = model.guess(problem.plain_segments, logs.outputs[0])
         starts = [guess.values_dict() for guess in guesses]
-    optimum = output_error(
-        problem, constraints.starts(overlaid, starts), rng=rng, thorough=thorough, progress=report
-    )
+    begins = constraints.starts(overlaid, starts)
+    require_tied_starts(problem, begins)
+    optimum = output_error(problem, begins, rng=rng, thorough=thorough, progress=report)
     period_s = float(np.median([log.period_s for log in logs]))
     input_range = fitted_range(logs)[logs.input]
     longest_s = max(float(np.ptp(log.time_s)) for log in logs)
