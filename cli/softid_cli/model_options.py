@@ -280,6 +280,13 @@ def chosen_parameters(
     declared = model.parameters()
     for name, text in assignments(bound, option="--bound", form="NAME=LO:HI").items():
         parameter = _known(declared, name, option="--bound")
+        if parameter.fixed:
+            raise UsageError(
+                f"the model holds {name} at {parameter.value:g} with these options",
+                where=f"--bound {name}",
+                value=text,
+                remedy="leave it out, or choose other options of the model",
+            )
         declared = declared.replacing(_bounded(parameter, text))
     for name, text in assignments(tie, option="--tie", form="NAME=EXPR").items():
         parameter = _known(declared, name, option="--tie")

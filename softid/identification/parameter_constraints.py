@@ -46,7 +46,7 @@ class ParameterConstraints:
         ------
         UsageError
             These are no parameters, or one of them is unknown, or one that the model holds with
-            these options.
+            these options is free or has other bounds.
         """
         if asked is None:
             return cls(base, base)
@@ -60,11 +60,12 @@ class ParameterConstraints:
                     f"the model has no parameter {name}",
                     remedy=f"choose from {', '.join(base.names)}",
                 )
-            if base[name].fixed and not wish.fixed:
+            if base[name].fixed and not (wish.fixed and _has_own_bounds(base[name], wish)):
                 raise UsageError(
                     f"the model holds {name} at {base[name].value:g} with these options",
                     where=f"parameter {name}",
-                    remedy="leave it fixed, or choose other options of the model",
+                    remedy="leave it fixed and its bounds as they are, or choose other options of "
+                    "the model",
                 )
         return constraints
 
@@ -144,6 +145,12 @@ class ParameterConstraints:
         if own and starts:
             starts.insert(0, starts[0] | own)
         return starts or [overlaid.values_dict()]
+
+
+def _has_own_bounds(own: Parameter, held: Parameter) -> bool:
+    """Whether a held parameter has the model's bounds, as far as its value is not in the way."""
+    bounds = min(own.lower, held.value), max(own.upper, held.value)
+    return (held.lower, held.upper) in (bounds, (own.lower, own.upper))
 
 
 def _from_lmfit(base: ParameterSet, asked: lmfit.Parameters) -> ParameterSet:

@@ -34,6 +34,24 @@ def test_a_word_that_is_no_value(softid: Cli, desk: Desk, name: str, option: str
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        (("oscillator", "--bound", "offset=-10:10"), "--bound offset: the model holds offset at 0"),
+        (("oscillator", "--bound", "G=5:10"), "--bound G: the model holds G at 1 with these opt"),
+        (("muscle", "--damping", "constant", "--bound", "a2=1:2"), "the model holds a2 at 0"),
+    ],
+)
+def test_a_bound_of_what_the_model_holds(
+    softid: Cli, desk: Desk, arguments: tuple[str, ...], said: str
+) -> None:
+    """Taken, it would do nothing, or move the value that is held."""
+    told = softid("fit", "a.csv", "--model", *arguments)
+    assert told.code == 2
+    assert said in told.err
+    assert "logs" not in desk.asked
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
         (("--option", "fixed_length_mm=abc", "--option", "diameter_mm=3"), "fixed_length_mm: this"),
         (("--option", "fixed_length_mm=-1", "--option", "diameter_mm=3"), "fixed_length_mm is not"),
         (("--model", "equilibrium", "--option", "assumed=5"), "no such value to be assumed"),
