@@ -308,10 +308,20 @@ def chosen_parameters(
                 "this parameter must be positive",
                 where=f"--fix {name}",
                 value=held[name],
-                remedy="give a positive value, or drop its term with --option order=first or "
-                "--damping constant",
+                remedy=_positive_or_dropped(model, name),
             )
     return declared.with_fixed(held)
+
+
+def _positive_or_dropped(model: Model, name: str) -> str:
+    from softid.models.dropped_parameters import option_that_drops
+
+    found = option_that_drops(model, name)
+    if found is None:
+        return "give a positive value"
+    option, choice = found
+    joint = " " if option in _FLAGS else "="
+    return f"give a positive value, or drop its term with {_flag(option)}{joint}{choice}"
 
 
 def _known(parameters: ParameterSet, name: str, *, option: str) -> Parameter:

@@ -50,6 +50,25 @@ def test_a_bound_of_what_the_model_holds(
 
 
 @pytest.mark.parametrize(
+    ("model", "fixed", "remedy"),
+    [
+        ("oscillator", "Q=0", "or drop its term with --option spring=none"),
+        ("oscillator", "M=0", "or drop its term with --option order=first"),
+        ("muscle", "a2=0", "or drop its term with --damping constant"),
+        ("muscle", "c1=0", "give a positive value"),
+    ],
+)
+def test_the_remedy_for_zero_drops_that_parameter(
+    softid: Cli, desk: Desk, model: str, fixed: str, remedy: str
+) -> None:
+    """A stiffness goes with the spring, not with the order; without such an option none is told."""
+    told = softid("fit", "a.csv", "--model", model, "--fix", fixed)
+    assert told.code == 2
+    assert told.err.endswith(f"{remedy}.\n")
+    assert "logs" not in desk.asked
+
+
+@pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (("--option", "fixed_length_mm=abc", "--option", "diameter_mm=3"), "fixed_length_mm: this"),
