@@ -121,7 +121,7 @@ class FitStatistics:
     nrmse
         ‖y − ŷ‖/‖y − mean y‖.
     fit_percent
-        100 (1 − nrmse), as MATLAB's ``compare``.
+        100 (1 − nrmse), as MATLAB's ``compare``; NaN of a constant and of very few samples.
     r2
         1 − nrmse².
     vaf

@@ -24,6 +24,19 @@ def fit_percent(measured: Array, simulated: Array) -> float:
     return 100.0 * (1.0 - _nrmse(difference_powers(y, s)[0], _spread(y)))
 
 
+def are_too_few(samples: int, unknowns: int) -> bool:
+    """Whether what was estimated on a log alone may follow its samples, whatever they are.
+
+    One more sample than unknowns has next to nothing left by which a response could be judged.
+
+    Parameters
+    ----------
+    samples, unknowns
+        Number of samples of an output, and of zeros and initial states that were estimated on them.
+    """
+    return samples <= unknowns + 1
+
+
 def fit_statistics(
     measured: Array,
     simulated: Array,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -21,6 +21,7 @@ from softid.identification.issues import (
     issues_of,
     most_serious_first,
     noisy_input_issues,
+    too_few_to_score,
 )
 from softid.identification.model_selection import ModelChoice
 from softid.identification.parameter_constraints import ParameterConstraints
@@ -104,16 +105,16 @@ def assemble(
     values = {e.name: e.value for e in estimates}
     nuisances = nuisances_of(problem, optimum, errors)
     simulations = _fitted_simulations(found, values, logs.logs, nuisances)
-    held_nuisances, held_simulations = held_out(model, values, held)
+    judged = held_out(model, values, held)
     statistics = (
         *scores(logs.logs, simulations, in_sample=True),
-        *scores(held, held_simulations, in_sample=False),
+        *scores(held, judged.simulations, in_sample=False, unknowns=judged.unknowns),
     )
     names, covariance, correlation = free_covariance(problem, optimum, errors)
     ranges = fitted_range(logs)
     issues = [issue for log in (*logs, *held) for issue in log.issues]
     issues += issues_of(estimates, errors, found.unseen, ranges, held, statistics)
-    issues += noisy
+    issues += [*noisy, *too_few_to_score(statistics, judged.unknowns)]
     issues += model.cautions(values, names, covariance)
     if not optimum.status.success:
         issues.insert(0, Issue("not-converged", "error", optimum.status.value))
@@ -125,7 +126,7 @@ def assemble(
         message=optimum.status.value,
         parameters=estimates,
         derived=model.derived(values, ranges[logs.input]),
-        nuisances=(*nuisances, *held_nuisances),
+        nuisances=(*nuisances, *judged.nuisances),
         statistics=statistics,
         noise=errors.noise,
         correlation=correlation,
@@ -135,7 +136,7 @@ def assemble(
         aic=errors.aic,
         bic=errors.bic,
         fitted_range=ranges,
-        simulations=(*simulations, *held_simulations),
+        simulations=(*simulations, *judged.simulations),
         evaluations=optimum.evaluations,
         issues=most_serious_first(issues),
         choice=choice.reason if choice else None,
@@ -178,15 +179,35 @@ def _derived_errors(
     )
 
 
-def held_out(
-    model: Model, values: Mapping[str, float], logs: Sequence[Log]
-) -> tuple[tuple[LogNuisance, ...], tuple[Simulation, ...]]:
-    """Zeros, initial states and simulations of logs that were not fitted, parameters held."""
+@dataclass(frozen=True, eq=False)
+class HeldOutResponses:
+    """Logs that were not fitted, with the parameters held.
+
+    Attributes
+    ----------
+    nuisances
+        Zeros and initial states, estimated on each log itself.
+    simulations
+        The responses with those.
+    unknowns
+        Name of a log → how many of them any of its outputs may follow.
+    """
+
+    nuisances: tuple[LogNuisance, ...] = ()
+    simulations: tuple[Simulation, ...] = ()
+    unknowns: Mapping[str, int] = field(default_factory=dict)
+
+
+def held_out(model: Model, values: Mapping[str, float], logs: Sequence[Log]) -> HeldOutResponses:
+    """Zeros, initial states and simulations of logs that were not fitted."""
     if not logs:
-        return (), ()
+        return HeldOutResponses()
     problem = Problem(model, model.parameters().with_fixed(values), logs)
     nuisances = nuisances_of(problem, refit_nuisance(problem), None)
-    return nuisances, _simulations(model, values, logs, nuisances)
+    unknowns = {log.name: int(problem.zeros) for log in logs}
+    for k, owner in enumerate(problem.owner):
+        unknowns[logs[owner].name] += len(problem.state_positions(k))
+    return HeldOutResponses(nuisances, _simulations(model, values, logs, nuisances), unknowns)
 
 
 def _fitted_simulations(

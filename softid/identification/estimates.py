@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -20,7 +22,7 @@ from softid.results import (
     SegmentStart,
     Simulation,
 )
-from softid.scores import fit_statistics
+from softid.scores import are_too_few, fit_statistics
 from softid.uncertainty import CI_METHOD, Covariance, confidence_interval, standard_error
 from softid.uncertainty.identifiability import companions, judge, strongest_partner
 
@@ -164,24 +166,40 @@ def nuisances_of(
 
 
 def scores(
-    logs: Sequence[Log], simulations: Sequence[Simulation], *, in_sample: bool
+    logs: Sequence[Log],
+    simulations: Sequence[Simulation],
+    *,
+    in_sample: bool,
+    unknowns: Mapping[str, int] = MappingProxyType({}),
 ) -> tuple[FitStatistics, ...]:
-    """One row per log and output channel."""
+    """One row per log and output channel.
+
+    Parameters
+    ----------
+    logs, simulations
+        What was measured and simulated.
+    in_sample
+        Whether the parameters were fitted to the logs.
+    unknowns
+        Name of a log → how many zeros and initial states were estimated on it alone: as few samples
+        as `are_too_few` says have no relative score.
+    """
     rows = []
     for log, simulation in zip(logs, simulations, strict=True):
         for name in log.outputs:
             channel = log.channels[name]
-            rows.append(
-                fit_statistics(
-                    simulation.measured[name],
-                    simulation.outputs[name],
-                    used=simulation.used[name],
-                    log=log.name,
-                    channel=name,
-                    unit=channel.unit,
-                    in_sample=in_sample,
-                    display_unit=channel.display_unit,
-                    display_factor=channel.display_factor,
-                )
+            row = fit_statistics(
+                simulation.measured[name],
+                simulation.outputs[name],
+                used=simulation.used[name],
+                log=log.name,
+                channel=name,
+                unit=channel.unit,
+                in_sample=in_sample,
+                display_unit=channel.display_unit,
+                display_factor=channel.display_factor,
             )
+            if are_too_few(row.n, unknowns.get(log.name, 0)):
+                row = replace(row, nrmse=np.nan, fit_percent=np.nan, r2=np.nan, vaf=np.nan)
+            rows.append(row)
     return tuple(rows)

@@ -12,6 +12,7 @@ from softid.identification.input_denoising import input_noise_sd
 from softid.identification.parameter_covariance import Errors
 from softid.log import Log, LogSet
 from softid.results import FitResult, FitStatistics, ParameterEstimate
+from softid.scores import are_too_few
 from softid.sentences import listed
 from softid.uncertainty import Covariance
 from softid.uncertainty.incomplete_beta import r_squared_tail
@@ -236,6 +237,34 @@ def noisy_input_issues(
             f"{'their intervals allow' if len(wider) > 1 else 'its interval allows'} for that",
             f"record {log.input} with less noise, or move the actuator faster and farther",
         )
+    ]
+
+
+def too_few_to_score(rows: Sequence[FitStatistics], unknowns: Mapping[str, int]) -> list[Issue]:
+    """That outputs have no fit, since what is estimated on their own log may follow all samples.
+
+    Parameters
+    ----------
+    rows
+        Scores of logs and outputs.
+    unknowns
+        Name of a log that was not fitted → zeros and initial states estimated on it alone.
+    """
+    few = [
+        row
+        for row in rows
+        if row.log in unknowns and row.n > 1 and are_too_few(row.n, unknowns[row.log])
+    ]
+    return [
+        Issue(
+            "fit-undefined",
+            "warning",
+            f"{row.log}: {row.n} samples of {row.channel} cannot judge a model of which "
+            f"{unknowns[row.log]} unknowns (zero and initial state) are estimated on them, so its "
+            "fit in per cent is not defined",
+            "score a longer log",
+        )
+        for row in few
     ]
 
 

@@ -113,7 +113,7 @@ def _missed(model: Model, values: Mapping[str, float], log: Log) -> float:
     """‖y − ŷ‖/‖y − mean y‖ of the first output; infinite where the model runs away."""
     try:
         with np.errstate(all="ignore"):
-            _, simulations = held_out(model, values, [log])
+            simulations = held_out(model, values, [log]).simulations
     except IdentificationError:
         return np.inf
     missed = scores([log], simulations, in_sample=False)[0].nrmse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from softid.arguments import refused, require_percent
@@ -12,7 +12,7 @@ from softid.fingerprint import data_fingerprint
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.input_treatment import InputTreatment, prepared, taken_as_fitted
-from softid.identification.issues import extrapolation
+from softid.identification.issues import extrapolation, too_few_to_score
 from softid.identification.preparation import as_log_set
 from softid.identification.stalls import as_remembered
 from softid.identification.unit_slips import unit_slips
@@ -20,6 +20,7 @@ from softid.log import Log, LogSet
 from softid.parallel import matrices_on_one_thread
 from softid.records import SavedModel, load_params
 from softid.results import FitResult, FitStatistics, Simulation, Validation
+from softid.scores import are_too_few
 
 
 @matrices_on_one_thread()
@@ -44,7 +45,8 @@ def validate(
         Logs to score on.
     threshold_percent
         The bar: ``passed`` is False when any channel of any log fits less. One that was measured as
-        constant has no fit and is left out; with no other the bar is not passed.
+        constant, or at no more samples than its own zero and initial state can follow, has no fit
+        and is left out; with no other the bar is not passed.
 
     Returns
     -------
@@ -88,17 +90,18 @@ def validate(
             )
     taken = taken_as_fitted(given.logs, treatment.intersample, model, values)
     log_set = LogSet(tuple(as_remembered(log, model, values) for log in taken))
-    nuisances, simulations = held_out(model, values, log_set.logs)
+    held = held_out(model, values, log_set.logs)
     in_sample = [
         _was_fitted(scored, log, simulation)
-        for log, simulation in zip(log_set, simulations, strict=True)
+        for log, simulation in zip(log_set, held.simulations, strict=True)
     ]
     statistics = tuple(
         row
-        for log, simulation, known in zip(log_set, simulations, in_sample, strict=True)
-        for row in scores((log,), (simulation,), in_sample=known)
+        for log, simulation, known in zip(log_set, held.simulations, in_sample, strict=True)
+        for row in scores((log,), (simulation,), in_sample=known, unknowns=held.unknowns)
     )
-    judged, unjudged = _judged(statistics, threshold_percent)
+    few = too_few_to_score(statistics, held.unknowns)
+    judged, unjudged = _judged(statistics, threshold_percent, held.unknowns)
     return Validation(
         model=model.spec(),
         input=scored.input,
@@ -106,12 +109,13 @@ def validate(
         threshold_percent=threshold_percent,
         passed=judged,
         statistics=statistics,
-        nuisances=nuisances,
-        simulations=simulations,
+        nuisances=held.nuisances,
+        simulations=held.simulations,
         issues=(
             *scored.issues,
             *unit_slips(model, values, log_set.logs),
             *_issues(log_set.logs, scored, in_sample),
+            *few,
             *unjudged,
         ),
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
@@ -140,7 +144,7 @@ def _was_fitted(scored: SavedModel, log: Log, simulation: Simulation) -> bool:
 
 
 def _judged(
-    statistics: Sequence[FitStatistics], bar: float | None
+    statistics: Sequence[FitStatistics], bar: float | None, unknowns: Mapping[str, int]
 ) -> tuple[bool, tuple[Issue, ...]]:
     """Whether all that has a fit reaches the bar, and something does; and what has none."""
     if bar is None:
@@ -157,6 +161,7 @@ def _judged(
         )
         for row in statistics
         if not math.isfinite(row.fit_percent)
+        and (row.n == 1 or not are_too_few(row.n, unknowns[row.log]))
     )
     return bool(known) and min(known) >= bar, issues
 

@@ -116,6 +116,24 @@ def test_a_model_of_a_diagnosis_takes_the_input_as_it_was_fitted(tmp_path: Path)
     assert validate(noisy, log).statistics[0].rmse > 1.3 * told
 
 
+def test_a_log_that_its_own_zero_can_follow_is_not_held_against_the_bar() -> None:
+    """Two samples, a zero and two states: any model passes through them, a wrong one too."""
+    moving, other = linear_log(noise=0.01), linear_log(noise=0.01, seed=1)
+    rows = {name: channel.values for name, channel in other.channels.items()}
+    two = Log.from_arrays(
+        other.time_s[50:52], {name: y[50:52] for name, y in rows.items()}, name="two"
+    )
+    model = fit(moving, model="oscillator", hold_out=two)
+    told = {row.log: row.fit_percent for row in model.statistics}
+    assert np.isnan(told["two"])
+    assert "fit-undefined" in {issue.code for issue in model.issues}
+    alone = validate(model, two, threshold_percent=99.99)
+    assert not alone.passed
+    (issue,) = (issue for issue in alone.issues if issue.code == "fit-undefined")
+    assert issue.message.startswith("two: 2 samples of angle cannot judge a model")
+    assert validate(model, [two, other], threshold_percent=50.0).passed
+
+
 def test_a_log_that_never_moves_is_not_held_against_the_bar() -> None:
     """Closed form: at rest an exact model misses nothing, and a fit of 0/0 is none. With nothing
     else the bar is not reached; beside a log that moves, that one decides."""

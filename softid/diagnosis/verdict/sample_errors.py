@@ -75,8 +75,9 @@ def with_sample_statistics(found: FitResult, identified: Identification) -> FitR
     rows: list[FitStatistics] = []
     for logs, in_sample in ((identified.logs.logs, True), (identified.hold_out, False)):
         recorded = logs_at_samples(logs)
-        _, simulations = simulated(model_of(found.model), found.values, recorded)
-        rows += scores(recorded, simulations, in_sample=in_sample)
+        shown = simulated(model_of(found.model), found.values, recorded)
+        unknowns = {} if in_sample else shown.unknowns
+        rows += scores(recorded, shown.simulations, in_sample=in_sample, unknowns=unknowns)
     return replace(found, statistics=tuple(rows))
 
 
