@@ -75,7 +75,10 @@ def print_validation(validation: Validation) -> None:
     _print(_score_table(validation.statistics))
     if validation.threshold_percent is not None:
         verdict = "Every fit reaches" if validation.passed else "Not every fit reaches"
-        _print("", f"{verdict} the bar of {validation.threshold_percent:g} %.")
+        end = "."
+        if not any(math.isfinite(row.fit_percent) for row in validation.statistics):
+            verdict, end = "No log has a fit for", " to judge."
+        _print("", f"{verdict} the bar of {validation.threshold_percent:g} %{end}")
     print_issues(validation.issues)
 
 

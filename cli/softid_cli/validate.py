@@ -36,7 +36,7 @@ CHECKED = ("truth", "estimate", "95 % interval", "off")
     "--threshold",
     type=float,
     metavar="PERCENT",
-    help="Lowest acceptable fit %; exit with code 1 if any fit is below it.",
+    help="Lowest acceptable fit %; exit with code 1 if any fit is below it, or none is defined.",
 )
 @channel_option
 @out_options("Folder for validation.json and plots; without it nothing is written.")

@@ -155,7 +155,7 @@ def _judged(
             "fit-undefined",
             "info" if known else "warning",
             f"{row.log}: {row.channel} was measured as constant, so its fit in per cent is not "
-            f"defined and is not held against the bar; its error is "
+            f"defined{' and is not held against the bar' if known else ''}; its error is "
             f"{row.rmse * row.display_factor:.3g} {row.display_unit}",
             "hold its error against the noise, or score a log in which the output moves",
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,6 +17,7 @@ from handmade import validation
 from softid.log import Log
 from softid.records import SavedModel
 from softid.results import Validation
+from softid_cli.tables import print_validation
 
 Cli = Callable[..., Outcome]
 
@@ -75,6 +76,16 @@ def test_scores(softid: Cli, asked: dict[str, Any], params: Path) -> None:
     assert "warning: step_2 goes to 120 kPa\n  → fit it too" in told.out
     assert asked["logs"] == ["step_2"]
     assert (asked["load"]["input"], asked["load"]["outputs"]) == ("pressure", ("angle",))
+
+
+def test_a_bar_with_no_fit_to_judge(capsys: pytest.CaptureFixture[str]) -> None:
+    """The bar is not reached, but no fit is below it either."""
+    scored = validation(passed=False, threshold_percent=50.0)
+    rows = tuple(replace(row, fit_percent=float("nan")) for row in scored.statistics)
+    print_validation(replace(scored, statistics=rows))
+    told = capsys.readouterr().out
+    assert "No log has a fit for the bar of 50 % to judge." in told
+    assert "Not every fit" not in told
 
 
 @pytest.mark.parametrize(("bar", "code", "said"), [("50", 0, "Every fit"), ("90", 1, "Not every")])
