@@ -12,7 +12,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs, hold_out_blocks
 from softid.effects.scale import Scale
-from softid.errors import IdentificationError, UsageError
+from softid.errors import IdentificationError, InputError, UsageError
 from softid.excitation import second_difference_noise, segment_excitation
 from softid.fitters.levenberg_marquardt import Minimum, NormalEquations
 from softid.fitters.problem import Problem
@@ -120,12 +120,12 @@ def require_driven(logs: LogSet) -> None:
 
     Raises
     ------
-    IdentificationError
+    InputError
         The input of none moves beyond its noise.
     """
     if not any(_is_driven(log) for log in logs):
         first = logs.logs[0]
-        raise IdentificationError(
+        raise InputError(
             "the input does not move beyond its noise, so nothing can be told of what acts on it",
             where=", ".join(log.name for log in logs),
             value=f"a range of {_move(first):.3g} {first.channels[first.input].unit}",

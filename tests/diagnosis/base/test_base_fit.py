@@ -24,7 +24,8 @@ from softid.diagnosis.base.base_fit import (
     require_moving,
 )
 from softid.diagnosis.refit.held_out import HeldOutBlocks, HeldOutLogs
-from softid.errors import IdentificationError, UsageError
+from softid.errors import IdentificationError, InputError, UsageError
+from softid.identification.preparation import require_excitation
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 
@@ -69,14 +70,21 @@ def test_samples_of_all_logs_count_together() -> None:
 
 
 def test_an_input_that_shows_its_noise_alone_is_refused() -> None:
-    """One log that moves is enough; a step of ten times the noise is a move."""
+    """One log that moves is enough; a step of ten times the noise is a move.
+
+    What `fit` and `diagnose` say of an input that does not move has one exit code.
+    """
     noise = np.random.default_rng(3).standard_normal(1000)
     still, stepped = driven(50.0 + noise), driven(50.0 + noise + 10.0 * (np.arange(1000) > 500))
-    with pytest.raises(IdentificationError, match="does not move beyond its noise") as told:
+    with pytest.raises(InputError, match="does not move beyond its noise") as told:
         require_driven(LogSet((still,)))
     assert "kPa" in str(told.value.value)
     require_driven(LogSet((still, replace(MOVING, name="moving"))))
     require_driven(LogSet((stepped,)))
+    flat = LogSet((driven(np.full(1000, 50.0)),))
+    for refuse in (require_excitation, require_driven):
+        with pytest.raises(InputError):
+            refuse(flat)
 
 
 @pytest.mark.parametrize(("share", "judges"), [(1.1 * LEAST_MOVE, True), (0.9 * LEAST_MOVE, False)])
