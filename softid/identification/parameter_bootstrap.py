@@ -64,16 +64,16 @@ def bootstrap_parameters(
     Returns
     -------
     BootstrapResult
-        Estimates, standard errors and 95 % intervals of the free parameters.
+        Estimates, standard errors and 95 % intervals of the free parameters; the errors are refused
+        where more than a tenth of the refits failed.
 
     Raises
     ------
     UsageError
-        Fewer than 20 draws, a seed that is none, or nothing was free.
+        Fewer than 20 draws, a number of them, of workers or a seed that is none, or nothing was
+        free.
     InputError
         A log lacks a channel of the model.
-    IdentificationError
-        More than a tenth of the refits failed.
 
     Source: Politis and Romano, in *Exploring the Limits of Bootstrap*, 1992 (blocks in a circle);
     Davison and Hinkley, *Bootstrap Methods and their Application*, 1997, §6.2 and §8.2.3.
@@ -89,6 +89,9 @@ def bootstrap_parameters(
     (('M', 'N', 'Q'), (20, 3), 0)
     """
     seed = require_whole(seed, least=0, where="seed")
+    draws = require_whole(draws, least=1, where="draws")
+    if workers is not None:
+        workers = require_whole(workers, least=1, where="workers")
     if draws < FEWEST_DRAWS:
         raise UsageError(
             "an interval needs more bootstrap draws", value=draws, remedy="take 200 or more"

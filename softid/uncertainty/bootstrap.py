@@ -65,8 +65,14 @@ class BootstrapResult:
 
     @property
     def stderr(self) -> dict[str, float]:
-        """Parameter → standard deviation of its estimates."""
-        good = self.estimates[np.isfinite(self.estimates).all(axis=1)]
+        """Parameter → standard deviation of its estimates.
+
+        Raises
+        ------
+        IdentificationError
+            More than a tenth of the refits failed.
+        """
+        good = self.estimates[_succeeded(self.estimates)]
         return dict(zip(self.names, np.std(good, axis=0, ddof=1).tolist(), strict=True))
 
 
@@ -237,6 +243,13 @@ def bootstrap_intervals(estimates: Array) -> Array:
     >>> bootstrap_intervals(np.arange(101.0)[:, None]).round(6).tolist()
     [[2.5, 97.5]]
     """
+    good = _succeeded(estimates)
+    edges = [(1.0 - COVERAGE) / 2.0, (1.0 + COVERAGE) / 2.0]
+    return np.asarray(np.quantile(estimates[good], edges, axis=0).T, dtype=np.float64)
+
+
+def _succeeded(estimates: Array) -> npt.NDArray[np.bool_]:
+    """Which refits have not failed, shape (B,); refused where too many have."""
     good = np.all(np.isfinite(estimates), axis=1)
     failed = 1.0 - float(good.mean()) if good.size else 1.0
     if failed > MAX_FAILED:
@@ -245,5 +258,4 @@ def bootstrap_intervals(estimates: Array) -> Array:
             value=f"{100 * failed:.0f} % of {good.size}",
             remedy="fix or bound the parameters that are not identified",
         )
-    edges = [(1.0 - COVERAGE) / 2.0, (1.0 + COVERAGE) / 2.0]
-    return np.asarray(np.quantile(estimates[good], edges, axis=0).T, dtype=np.float64)
+    return np.asarray(good, np.bool_)

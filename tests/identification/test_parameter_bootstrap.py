@@ -105,3 +105,9 @@ def test_what_cannot_be_drawn_is_refused() -> None:
     result = fit(log, model="oscillator")
     with pytest.raises(UsageError, match="more bootstrap draws"):
         bootstrap_parameters(result, log, draws=5)
+    for draws in (50.5, "50", None):
+        with pytest.raises(UsageError, match="draws: this is not a whole number"):
+            bootstrap_parameters(result, log, draws=draws)  # type: ignore[arg-type]
+    for workers in (0, -1, 1.5):
+        with pytest.raises(UsageError, match="workers: this is not a whole number from 1 on"):
+            bootstrap_parameters(result, log, draws=20, workers=workers)  # type: ignore[arg-type]

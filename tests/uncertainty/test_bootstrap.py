@@ -18,7 +18,7 @@ from softid.uncertainty import (
     fit_ar,
     resample,
 )
-from softid.uncertainty.bootstrap import circular_blocks, common_block
+from softid.uncertainty.bootstrap import BootstrapResult, circular_blocks, common_block
 
 
 def model(rho: float) -> AutoRegression:
@@ -163,6 +163,11 @@ def test_failed_refits_are_left_out_or_refused() -> None:
     np.testing.assert_allclose(bootstrap_intervals(rows), [[2.5, 97.5]])
     with pytest.raises(IdentificationError, match="50 %"):
         bootstrap_intervals(np.array([[1.0], [np.nan]]))
+    found = BootstrapResult(("M",), rows, 1)
+    assert found.stderr["M"] == pytest.approx(np.arange(101.0).std(ddof=1))
+    half = BootstrapResult(("M",), np.array([[1.0], [2.0], [np.nan], [np.nan]]), 1)
+    with pytest.raises(IdentificationError, match="50 %"):
+        _ = half.stderr
 
 
 def test_mistakes_are_named() -> None:
