@@ -26,6 +26,7 @@ from softid.identification.issues import (
 from softid.identification.model_selection import ModelChoice
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import errors_of, free_covariance
+from softid.identification.tied_errors import with_ties_followed
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.results import FitResult, LogNuisance, ParameterEstimate, Simulation
@@ -144,7 +145,7 @@ def assemble(
         seed=seed,
         intersample=logs.logs[0].intersample,
         derived_stderr=_derived_errors(
-            model, values, ranges[logs.input], estimates, names, covariance
+            problem, values, ranges[logs.input], estimates, names, covariance
         ),
     )
 
@@ -160,22 +161,21 @@ def _require_finite(optimum: Optimum, logs: LogSet) -> None:
 
 
 def _derived_errors(
-    model: Model,
+    problem: Problem,
     values: Mapping[str, float],
     reach: tuple[float, float],
     estimates: Sequence[ParameterEstimate],
     names: Sequence[str],
     covariance: Array | None,
 ) -> dict[str, float | None]:
-    """Standard errors of what `Model.derived` computes; none where parameters are tied."""
-    if any(e.tie for e in estimates):
-        return {}
+    """Standard errors of what `Model.derived` computes, in which tied parameters follow."""
+    undetermined = [e.name for e in estimates if not (e.fixed or e.tie or e.name in names)]
     return propagated_errors(
-        lambda trial: model.derived(trial, reach),
+        lambda trial: problem.model.derived(with_ties_followed(problem, trial), reach),
         values,
         names,
         covariance,
-        undetermined=[e.name for e in estimates if not e.fixed and e.name not in names],
+        undetermined=undetermined,
     )
 
 

@@ -12,6 +12,7 @@ from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import Errors
+from softid.identification.tied_errors import tied_deviation
 from softid.log import Log
 from softid.parameters import ParameterScale
 from softid.results import (
@@ -60,13 +61,16 @@ def parameter_estimates(
         sd = freedom = None
         if row is not None and covariance is not None:
             sd, freedom = covariance.sd[row], covariance.degrees_of_freedom[row]
+        elif p.tie is not None:
+            sd, freedom = tied_deviation(problem, optimum, errors, name)
         at_bound = index is not None and bool(optimum.at_bound[index])
         known = at_bound or constraints.bounds(name)
         verdict, reason = _verdict(
             problem, covariance, name, sd, at_bound, unseen, value, use_bounds=known
         )
         interval = _interval(value, p.scale, sd, freedom)
-        if interval is not None and interval[0] < p.lower and interval[1] > p.upper:
+        is_free = index is not None
+        if is_free and interval is not None and interval[0] < p.lower and interval[1] > p.upper:
             verdict, reason = "not identified", "its interval is wider than its bounds"
         rows.append(
             ParameterEstimate(

@@ -80,6 +80,36 @@ def test_a_tie_within_its_bounds_is_followed() -> None:
     assert found.values["N"] == pytest.approx(0.3 * q.value, rel=1e-12)
 
 
+def test_what_is_tied_and_what_is_computed_have_errors() -> None:
+    """N = 0.3·Q errs by 0.3 of Q's error; 1/Q errs by its relative error, N/Q and a tie of √Q by
+    none and by half of it."""
+    found = fit(log(), model="oscillator", parameters=tied("0.3*Q"))
+    n, q = found.parameter("N"), found.parameter("Q")
+    assert q.stderr is not None
+    assert q.ci95 is not None
+    assert (n.verdict, n.stderr) == ("tied", pytest.approx(0.3 * q.stderr, rel=1e-6))
+    assert n.ci95 == pytest.approx(tuple(0.3 * end for end in q.ci95), rel=1e-6)
+    gain = found.derived_stderr["static_gain"]
+    assert gain == pytest.approx(found.derived["static_gain"][0] * q.stderr / q.value, rel=1e-4)
+    assert found.derived_stderr["time_constant"] == pytest.approx(0.0, abs=1e-6)
+    assert found.derived_stderr["natural_frequency"] is not None
+    root = fit(log(), model="oscillator", parameters=tied("3*sqrt(Q)"))
+    n, q = root.parameter("N"), root.parameter("Q")
+    assert n.stderr is not None
+    assert q.stderr is not None
+    assert n.stderr / n.value == pytest.approx(0.5 * q.stderr / q.value, rel=1e-6)
+
+
+def test_what_rests_on_an_unknown_parameter_has_no_error() -> None:
+    """Q on its bound has no error, nor has what is tied to it."""
+    parameters = tied("0.3*Q")
+    bounded = parameters.replacing(replace(parameters["Q"], value=80.0, upper=90.0))
+    found = fit(log(), model="oscillator", parameters=bounded)
+    assert found.parameter("Q").at_bound
+    assert found.parameter("N").stderr is None
+    assert found.derived_stderr["static_gain"] is None
+
+
 def test_a_point_that_breaks_a_tie_has_no_response_and_its_slope_stays() -> None:
     """NaN where N = 0.3·Q passes 10, and no clipped side of the difference on the bound itself."""
     problem = Problem(Oscillator(), tied("0.3*Q", upper=10.0), [log()])
