@@ -108,10 +108,12 @@ def damping_surface(
     IdentificationError
         No stretch is as long as a window, too few samples move, or the damping they show is
         negative.
+    UsageError
+        As `extremes`.
 
     Source: Ru et al. 2019, Eq 6.
     """
-    stretches = stretches_of(log, output, geometry)
+    stretches = stretches_of(log, output, geometry, unit=static.unit)
     window = window_s or default_window_s(stretches, log.name)
     pressures, balances, speeds, lengths = [], [], [], []
     for s in stretches:

@@ -56,7 +56,7 @@ def levels(
     IdentificationError
         The logs settle at fewer levels than there are parameters.
     UsageError
-        The output is no motion, or needs the geometry.
+        The output is no motion, or needs the geometry, or the logs give x in different units.
     """
     found = [row for log in _as_logs(logs) for row in _settled(log, output, geometry, tail)]
     if not found:
@@ -65,7 +65,7 @@ def levels(
             remedy="hold each pressure until the motion has stopped, or give levels as arrays",
         )
     pressure, x, drift = np.array(found).T
-    unit = contraction(_as_logs(logs)[0].segments()[0], output, geometry)[1]
+    unit = _one_unit(_as_logs(logs), output, geometry)
     fit = levels_from_arrays(pressure, x, zero=zero, unit=unit)
     return replace(fit, issues=(*fit.issues, *_still_moving(drift, x)))
 
@@ -107,6 +107,41 @@ def contraction(
         where=segment.log_name,
         remedy="choose an angle, contraction, length, distance or position",
     )
+
+
+def require_unit(found: str, wanted: str, *, where: str, of: str) -> None:
+    """Refuse an x in another unit than what it would be taken together with.
+
+    Parameters
+    ----------
+    found, wanted
+        Unit of x, and the other one.
+    where
+        Log of which x is.
+    of
+        What the other unit belongs to.
+
+    Raises
+    ------
+    UsageError
+        They differ.
+    """
+    if found != wanted:
+        raise UsageError(
+            f"x is in {found} here, and in {wanted} in {of}",
+            where=where,
+            remedy="name one output= for both, give the geometry= by which an angle becomes a "
+            "contraction in mm, or the unit= of levels that are arrays",
+        )
+
+
+def _one_unit(logs: Sequence[Log], output: str | None, geometry: ArcGeometry | None) -> str:
+    """Unit of x, the same in all logs."""
+    parts = [segment for log in logs for segment in log.segments()]
+    units = [contraction(segment, output, geometry)[1] for segment in parts]
+    for segment, unit in zip(parts, units, strict=True):
+        require_unit(unit, units[0], where=segment.log_name, of=parts[0].log_name)
+    return units[0]
 
 
 def _as_logs(logs: Log | Sequence[Log]) -> tuple[Log, ...]:

@@ -17,7 +17,7 @@ from softid.fitters.local_derivatives import (
     samples_per_window,
     vertex_s,
 )
-from softid.fitters.settled_levels import contraction
+from softid.fitters.settled_levels import contraction, require_unit
 from softid.fitters.static_levels import LevelsFit
 from softid.log import Log
 from softid.models.geometry import ArcGeometry
@@ -123,10 +123,12 @@ def extremes(
     ------
     IdentificationError
         The motion has no extreme away from the ends of the log.
+    UsageError
+        The output is no motion, needs the geometry, or gives x in another unit than the curve's.
 
     Source: Ru et al. 2019, Eq 4 and the paragraph before Eq 6.
     """
-    stretches = stretches_of(log, output, geometry)
+    stretches = stretches_of(log, output, geometry, unit=static.unit)
     window = window_s or default_window_s(stretches, log.name)
     found = [row for s in stretches for row in _extremes_of(s, window)]
     if not found:
@@ -157,11 +159,27 @@ def extremes(
     return replace(fit, issues=_mass_issues(fit))
 
 
-def stretches_of(log: Log, output: str | None, geometry: ArcGeometry | None) -> list[Stretch]:
-    """The used samples of every segment that has at least two."""
+def stretches_of(
+    log: Log, output: str | None, geometry: ArcGeometry | None, *, unit: str
+) -> list[Stretch]:
+    """The used samples of every segment that has at least two.
+
+    Parameters
+    ----------
+    log, output, geometry
+        As in `extremes`.
+    unit
+        That of the static curve with which x is to be taken.
+
+    Raises
+    ------
+    UsageError
+        The output is no motion, needs the geometry, or gives x in another unit.
+    """
     found = []
     for segment in log.segments():
-        x, _ = contraction(segment, output, geometry)
+        x, own = contraction(segment, output, geometry)
+        require_unit(own, unit, where=log.name, of="the static curve")
         used = np.isfinite(x)
         found.append(Stretch(segment.time_s[used], segment.input[used], x[used]))
     return [s for s in found if s.time_s.size >= 2]

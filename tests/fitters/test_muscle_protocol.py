@@ -210,6 +210,26 @@ def test_outputs_are_turned_into_contraction():
         contraction(far, None, None)
 
 
+def test_millimetres_and_radians_are_not_mixed():
+    """A curve in mm beside an angle in rad would tell an inertia of neither unit."""
+    steps, (time_s, pressure_kpa, x) = _log(_steps(), name="steps"), _sine(100, 12.0)
+    arc = ArcGeometry(fixed_length_mm=150.0, diameter_mm=20.0)
+    angle = {"pressure": pressure_kpa, "angle": arc.angle_rad(x)}
+    sine = Log.from_arrays(time_s, angle, name="sine")
+    static = levels(steps, output="contraction")
+    with pytest.raises(UsageError, match="sine: x is in rad here, and in mm in the static curve"):
+        extremes(sine, static)
+    with pytest.raises(UsageError, match="x is in rad here, and in mm in the static curve"):
+        damping_surface(sine, static, TRUTH["M"])
+    assert extremes(sine, static, geometry=arc).unit == "mm"
+    time_s, pressure_kpa, x = _steps()
+    angle = {"pressure": pressure_kpa, "angle": arc.angle_rad(x)}
+    bent = Log.from_arrays(time_s, angle, name="bent")
+    with pytest.raises(UsageError, match="bent: x is in rad here, and in mm in steps"):
+        levels([steps, bent])
+    assert levels([steps, bent], geometry=arc).unit == "mm"
+
+
 def test_noise_free_extremes_and_damping_recover_the_dynamics():
     """1 kHz, windows of 15 ms: M to 0.1 %, a2 and b2 to 1 %, N(p) to 0.1 %.
 
