@@ -44,9 +44,9 @@ def require_tied_starts(problem: Problem, starts: Sequence[Mapping[str, float]])
     p, value = _broken(problem, z)
     if not np.isfinite(value):
         raise UsageError(
-            f"the tie {p.tie} gives {p.name} no finite value where the search begins",
+            f"the tie {p.tie} gives {p.name} no finite value at {_taken(problem, p, z)}, where the "
+            "search begins",
             where=f"parameter {p.name}",
-            value=_takes(problem, p, z),
             remedy="tie it by another expression",
         )
     raise UsageError(
@@ -108,8 +108,8 @@ def _others(p: Parameter) -> str:
     return listed(sorted(names_in_tie(p.tie or "", where=f"parameter {p.name}")))
 
 
-def _takes(problem: Problem, p: Parameter, z: Array) -> dict[str, float]:
+def _taken(problem: Problem, p: Parameter, z: Array) -> str:
     """What the tie is computed from."""
     values = problem.values(z)
     names = sorted(names_in_tie(p.tie or "", where=f"parameter {p.name}"))
-    return {name: float(f"{values[name]:.6g}") for name in names}
+    return listed(f"{name} = {values[name]:.4g}" for name in names)

@@ -47,7 +47,7 @@ def tied(
         ("0.3*Q", 10.0, r"takes N out of its bounds, 1e-15 to 10, .*got 30.*widen the bounds of N"),
         ("-Q", 1e15, r"the tie -Q takes N out of its bounds.*got -100.*stays positive"),
         ("log(Q)/0", 1e15, r"the tie log\(Q\)/0 gives N no finite value"),
-        ("Q**Q**Q**Q", 1e15, r"gives N no finite value where the search begins \(got {'Q': "),
+        ("Q**Q**Q**Q", 1e15, r"gives N no finite value at Q = [0-9.]+, where the search begins"),
     ],
 )
 def test_a_tie_that_cannot_be_followed_at_the_start_is_refused(
