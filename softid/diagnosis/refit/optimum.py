@@ -1,4 +1,4 @@
-"""A candidate as a finished optimisation, whose errors can be computed."""
+"""A candidate as a finished optimisation, whose errors can be computed and compared."""
 
 from __future__ import annotations
 
@@ -30,3 +30,24 @@ def optimum_of(candidate: Candidate, sigma: Mapping[str, float]) -> Optimum:
         at_bound=candidate.problem.at_bound(point),
         start=candidate.prior.centre,
     )
+
+
+def squares_under(
+    candidate: Candidate, own: Mapping[str, float], sigma: Mapping[str, float]
+) -> float:
+    """What a candidate leaves, in the scales of another fit.
+
+    With several outputs each fit divides the residuals by its own errors, so that its sum of
+    squares is the number of samples, however good it is.
+
+    Parameters
+    ----------
+    candidate
+        A model of the same outputs.
+    own, sigma
+        Output channel → scale that its residual is divided by, and that of the other fit.
+    """
+    if own == sigma:
+        return candidate.squares
+    blocks = candidate.problem.blocks(candidate.minimum.point, derivatives=False)
+    return sum(float(b.residual @ b.residual) / sigma[b.channel] ** 2 for b in blocks)

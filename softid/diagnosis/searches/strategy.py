@@ -14,6 +14,7 @@ from softid.diagnosis.base.intersample_selection import (
     recordings_with_intersample,
 )
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.optimum import squares_under
 from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain
@@ -98,7 +99,8 @@ def search_causes(
     if others.all(search.base):
         return found, search
     again = request.fit_base(recordings.logs, recordings.hold_out, thorough=True)
-    if again.candidate.squares < BETTER_BASE * search.base.candidate.squares:
+    left = squares_under(again.candidate, again.sigma, search.base.sigma)
+    if left < BETTER_BASE * search.base.candidate.squares:
         search = replace(search, base=again)  # the base was a false optimum
         found = search.search()
         if not found.came_to_nothing:

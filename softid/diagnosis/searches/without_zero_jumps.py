@@ -13,6 +13,7 @@ from functools import partial
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.zero_jumps import ZeroJump, seen_again, without_jumps, zero_jumps
+from softid.diagnosis.refit.optimum import squares_under
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.search_result import SearchResult
@@ -59,12 +60,13 @@ def search_without_zero_jumps(
     for _ in range(ROUNDS if jumps else 0):
         steady = recordings.each(partial(without_jumps, jumps=(*jumps, *in_judges)))
         again = request.fit_base(steady.logs, steady.hold_out, thorough=False)
-        taken = base.candidate.squares - again.candidate.squares
-        if taken > (1.0 - LEFT_TO_CAUSES) * misfit:
+        left = squares_under(again.candidate, again.sigma, base.sigma)
+        if base.candidate.squares - left > (1.0 - LEFT_TO_CAUSES) * misfit:
             return None
         over = replace(search, base=again)
         first = over.first_cause()
-        if first.final.squares > MENDED * (known.first or base.candidate).squares:
+        left = squares_under(first.final, again.sigma, base.sigma)
+        if left > MENDED * (known.first or base.candidate).squares:
             return None
         found = over.search(first)
         before = (*jumps, *in_judges)
