@@ -148,13 +148,22 @@ def _noise(
 
 
 def _noise_groups(problem: Problem, channel: str) -> list[set[int]]:
-    """Logs that share a noise model, as indices; every log that is long enough stands alone."""
+    """Logs that share a noise model, as indices; every log that is long enough stands alone.
+
+    Others that are too short together, too, share that of the shortest which is not: their own
+    zeros and initial states could follow all of their samples.
+    """
     counts = np.zeros(len(problem.logs), int)
     for segment, owner in zip(problem.segments, problem.owner, strict=True):
         counts[owner] += int(segment.used[channel].sum())
     alone = [{k} for k in range(counts.size) if counts[k] >= OWN_NOISE_SAMPLES]
     rest = {k for k in range(counts.size) if 0 < counts[k] < OWN_NOISE_SAMPLES}
-    return [*alone, rest] if rest else alone
+    if not rest:
+        return alone
+    if alone and counts[[*rest]].sum() < OWN_NOISE_SAMPLES:
+        shortest = min(alone, key=lambda group: min(counts[[*group]]))
+        return [group | rest if group is shortest else group for group in alone]
+    return [*alone, rest]
 
 
 @dataclass(frozen=True, eq=False)

@@ -60,7 +60,7 @@ class FactoredRows:
     def sums(self, length: int) -> Array:
         """Sums over consecutive stretches of samples, of which the last may be short, (m, K)."""
         count = self.columns.shape[1] // length
-        whole = self.columns[:, : count * length].reshape(-1, count, length)  # never a copy
+        whole = self.columns[:, : count * length].reshape(len(self.columns), count, length)
         parts = [whole @ np.ones(length)]
         if count * length < self.columns.shape[1]:
             parts.append(self.columns[:, count * length :].sum(axis=1, keepdims=True))

@@ -65,6 +65,25 @@ def test_errors_over_averages_are_those_of_all_samples(monkeypatch: pytest.Monke
         assert noise.ar == pytest.approx(exact_noise.ar, abs=1e-3)
 
 
+@pytest.mark.parametrize("rows", [2, 3, 5])
+def test_a_log_of_a_few_samples_shares_the_noise_of_a_longer_one(rows: int) -> None:
+    """Its own zero and state may follow all of them; the errors are those of the long log alone."""
+    long = linear_log(noise=0.01, seed=1, samples=SAMPLES)
+    other = linear_log(noise=0.01, seed=2, samples=SAMPLES)
+    names = ("pressure", "angle")
+    short = Log.from_arrays(
+        other.time_s[:rows],
+        {name: other.channels[name].values[2000 : 2000 + rows] for name in names},
+        units={name: other.channels[name].unit for name in names},
+        name="cut off",
+    )
+    alone, both = (softid.fit(made, model=MODEL) for made in ([long], [long, short]))
+    for name in ("M", "N", "Q"):
+        one, other_one = alone.parameter(name), both.parameter(name)
+        assert other_one.value == pytest.approx(one.value, rel=0.02)
+        assert other_one.stderr == pytest.approx(one.stderr, rel=0.1)
+
+
 def test_averages_longer_than_the_motion_know_what_the_samples_know(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
