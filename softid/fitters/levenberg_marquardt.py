@@ -2,12 +2,11 @@
 
 One evaluation gives the cost, Jᵀr and JᵀJ, so that large data are never factorised. The trust
 region is a ball in units of each unknown's plausible move rather than of its Jacobian column: a
-long flat valley is walked in long strides. The damping falls as in Nielsen (1999), and grows until
-a step is half as long as the one after which the cost rose. A coordinate on a bound whose gradient
-points outward is held there (Kanzow, Yamashita and Fukushima, J. Comput. Appl. Math. 172, 2004). A
-non-finite trial point is a rejected step. Sums of exponentials have narrow curved valleys; the
-geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885) follows the bend of the valley
-instead of stopping at its wall.
+long flat valley is walked in long strides. The damping follows Nielsen (1999). A coordinate on a
+bound whose gradient points outward is held there (Kanzow, Yamashita and Fukushima, J. Comput. Appl.
+Math. 172, 2004). A non-finite trial point is a rejected step. Sums of exponentials have narrow
+curved valleys; the geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885) follows the bend
+of the valley instead of stopping at its wall.
 """
 
 from __future__ import annotations
@@ -46,16 +45,14 @@ next to none, so that a run begins with a Gauss–Newton step, bounded by `LARGE
 entry is that of a zero or an initial state, which may move so far that it is a million times those
 of the parameters."""
 
+CAUTIOUS_DAMPING = 1e-9
+"""The same for a law that begins at a guess of its size, whose parameters it damps by a thousandth:
+a nearly free step carries them to where it is another law, and two of eight frictions that fall
+with the speed ended as plain ones."""
+
 LARGEST_DECREASE = 0.1
 """Factor by which an accepted step lowers the damping at most. Nielsen's is 1/3; a tenth, a
 judgement, forgets a rejected step sooner."""
-
-REJECTED_LENGTH = 0.5
-"""A step after which the cost has risen is followed by one of half the length at most: from next to
-no damping, Nielsen's growth of it would propose nearly the same step eight times."""
-
-ROUNDING = 1e-10
-"""Share of the cost by which rounding may raise it."""
 
 MOST_DAMPING = 1e30
 """Damping above which a rejected step ends the run, so that it cannot go on for ever: the growth
@@ -157,6 +154,7 @@ def minimise(
     tolerance: float,
     second_derivative: Callable[[Array, Array, NormalEquations], Array | None] | None = None,
     damping: float | None = None,
+    first_damping: float = INITIAL_DAMPING,
 ) -> Minimum:
     """Minimise ½‖r(z)‖² within bounds.
 
@@ -178,6 +176,8 @@ def minimise(
         from the parameters, shape (U,); None, or a None result, for no acceleration.
     damping
         That of a run that goes on; None begins anew.
+    first_damping
+        Of a run that begins anew, see `INITIAL_DAMPING`.
     """
     z = within(start, lower, upper)
     now = evaluate(z)
@@ -189,7 +189,7 @@ def minimise(
     unit = _floored(scale)
     squared_unit = unit**2
     if damping is None:
-        damping = INITIAL_DAMPING * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
+        damping = first_damping * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
     while used < evaluations and math.isfinite(now.cost) and z.size:
         moving = movable(z, now.gradient, lower, upper)
         offset = attainable_offset(now, moving, reach)
@@ -228,11 +228,8 @@ def minimise(
             z, now = then.point, then
         elif damping > MOST_DAMPING:
             break
-        elif then.cost <= now.cost * (1.0 + ROUNDING):
-            damping, growth = damping * growth, growth * 2.0
         else:
-            shorter = REJECTED_LENGTH * _length((scale * step)[moving])
-            damping = _damping_for(now, moving, unit, damping, shorter)
+            damping, growth = damping * growth, growth * 2.0
     offset = offset_within(now, lower, upper, reach)
     return Minimum(z, now, used, offset, damping, used_up=used >= evaluations)
 

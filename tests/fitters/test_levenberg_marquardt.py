@@ -221,21 +221,6 @@ def test_a_correction_beyond_all_numbers_is_left_out() -> None:
     assert found.point == pytest.approx([4.0, -3.0], rel=1e-6)
 
 
-def test_a_step_that_is_too_long_is_halved() -> None:
-    """r = −arctan z from z = 3: Gauss–Newton leads to −6, bounded, and half as far lowers the cost.
-
-    Four evaluations are enough; with the damping's growth alone the cost had not fallen after nine.
-    """
-
-    def bent(z: Array) -> NormalEquations:
-        return normal(z, -np.arctan(z), np.diag(1.0 / (1.0 + z**2)))
-
-    start = np.array([3.0])
-    found = solved(bent, start, evaluations=4)
-    assert found.normal.cost < 0.7 * bent(start).cost
-    assert abs(solved(bent, start, evaluations=15).point[0]) < 1e-6
-
-
 def test_an_unknown_that_may_move_far_damps_no_other() -> None:
     """A zero whose reach is 67 m of a motion of 67 mm, beside parameters, one seen a hundredth."""
     jacobian = np.array([[30.0, 3.0, 1.0], [30.0, -3.0, 1.0], [10.0, 0.1, 1.0], [5.0, -0.2, 1.0]])
