@@ -36,6 +36,7 @@ from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
 from softid.errors import InputError
+from softid.fitters.levenberg_marquardt import cautiously
 from softid.given_values import require_names, require_whole
 from softid.identification.gauge_errors import gauge_errors
 from softid.identification.input_denoising import without_input_noise
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
 
 
 @matrices_on_one_thread()
+@cautiously()
 @in_step()
 def diagnose(
     logs: Log | Sequence[Log],

@@ -12,7 +12,9 @@ of the valley instead of stopping at its wall.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,9 +48,11 @@ entry is that of a zero or an initial state, which may move so far that it is a 
 of the parameters."""
 
 CAUTIOUS_DAMPING = 1e-9
-"""The same for a law that begins at a guess of its size, whose parameters it damps by a thousandth:
-a nearly free step carries them to where it is another law, and two of eight frictions that fall
-with the speed ended as plain ones."""
+"""The same for what a diagnosis fits, whose parameters it damps by a thousandth: a nearly free step
+carries a law that begins at a guess of its size to where it is another one, and two of eight
+frictions that fall with the speed ended as plain ones."""
+
+_first_damping: ContextVar[float] = ContextVar("first_damping", default=INITIAL_DAMPING)
 
 LARGEST_DECREASE = 0.1
 """Factor by which an accepted step lowers the damping at most. Nielsen's is 1/3; a tenth, a
@@ -143,6 +147,16 @@ class Minimum:
     used_up: bool = False
 
 
+@contextmanager
+def cautiously() -> Iterator[None]:
+    """Have all runs inside the ``with`` block or decorated function begin cautiously."""
+    token = _first_damping.set(CAUTIOUS_DAMPING)
+    try:
+        yield
+    finally:
+        _first_damping.reset(token)
+
+
 def minimise(
     evaluate: Callable[[Array], NormalEquations],
     start: Array,
@@ -154,7 +168,6 @@ def minimise(
     tolerance: float,
     second_derivative: Callable[[Array, Array, NormalEquations], Array | None] | None = None,
     damping: float | None = None,
-    first_damping: float = INITIAL_DAMPING,
 ) -> Minimum:
     """Minimise ½‖r(z)‖² within bounds.
 
@@ -176,8 +189,6 @@ def minimise(
         from the parameters, shape (U,); None, or a None result, for no acceleration.
     damping
         That of a run that goes on; None begins anew.
-    first_damping
-        Of a run that begins anew, see `INITIAL_DAMPING`.
     """
     z = within(start, lower, upper)
     now = evaluate(z)
@@ -189,7 +200,7 @@ def minimise(
     unit = _floored(scale)
     squared_unit = unit**2
     if damping is None:
-        damping = first_damping * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
+        damping = _first_damping.get() * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
     while used < evaluations and math.isfinite(now.cost) and z.size:
         moving = movable(z, now.gradient, lower, upper)
         offset = attainable_offset(now, moving, reach)

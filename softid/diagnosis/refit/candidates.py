@@ -13,7 +13,7 @@ from softid.diagnosis.refit.state_sizes import bounds_of, reach_of
 from softid.diagnosis.refit.whitening import Place, Whitener
 from softid.effects import ExtendedModel
 from softid.effects.base import Effect
-from softid.fitters.levenberg_marquardt import CAUTIOUS_DAMPING, Minimum, NormalEquations, minimise
+from softid.fitters.levenberg_marquardt import Minimum, NormalEquations, cautiously, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
 from softid.models.division import Division, divided
@@ -267,6 +267,7 @@ def let_go(candidate: Candidate) -> Candidate:
     return replace(candidate, prior=prior, minimum=minimum)
 
 
+@cautiously()
 def advance(
     candidate: Candidate,
     sigma: Mapping[str, float],
@@ -311,7 +312,6 @@ def advance(
         tolerance=tolerance,
         second_derivative=None if straight else objective.second_derivative,
         damping=candidate.minimum.damping,
-        first_damping=CAUTIOUS_DAMPING,
     )
     return replace(candidate, minimum=found)
 
