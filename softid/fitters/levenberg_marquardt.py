@@ -49,9 +49,10 @@ of the parameters."""
 
 CAUTIOUS_DAMPING = 1e-9
 """The same for what a diagnosis fits, whose parameters it damps by a thousandth: a nearly free step
-carries a law that begins at a guess of its size to where it is another one, and two of eight
-frictions that fall with the speed ended as plain ones."""
+carries a law that begins at a guess of its size to where it is another one, so that a friction
+which falls with the speed ends as a plain one."""
 
+# What begins a run is many calls away from what knows how sure its start is.
 _first_damping: ContextVar[float] = ContextVar("first_damping", default=INITIAL_DAMPING)
 
 LARGEST_DECREASE = 0.1
@@ -149,7 +150,10 @@ class Minimum:
 
 @contextmanager
 def cautiously() -> Iterator[None]:
-    """Have all runs inside the ``with`` block or decorated function begin cautiously."""
+    """Have all runs inside the ``with`` block or decorated function begin cautiously.
+
+    Threads that are started inside begin as usual.
+    """
     token = _first_damping.set(CAUTIOUS_DAMPING)
     try:
         yield

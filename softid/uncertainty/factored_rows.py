@@ -60,6 +60,7 @@ class FactoredRows:
     def sums(self, length: int) -> Array:
         """Sums over consecutive stretches of samples, of which the last may be short, (m, K)."""
         count = self.columns.shape[1] // length
+        # never a copy, and no -1, which means nothing where there is no whole stretch
         whole = self.columns[:, : count * length].reshape(len(self.columns), count, length)
         parts = [whole @ np.ones(length)]
         if count * length < self.columns.shape[1]:

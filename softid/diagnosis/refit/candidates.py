@@ -267,7 +267,7 @@ def let_go(candidate: Candidate) -> Candidate:
     return replace(candidate, prior=prior, minimum=minimum)
 
 
-@cautiously()
+@cautiously()  # also where a thread of its own refits
 def advance(
     candidate: Candidate,
     sigma: Mapping[str, float],
