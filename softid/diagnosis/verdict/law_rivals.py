@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from softid.diagnosis.refit.usual_law import usual_law
 from softid.diagnosis.residual.motion import turns_round
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link
 from softid.diagnosis.verdict.chain_consistency import may_hold_more
-from softid.diagnosis.verdict.equivalence import PRESLIDING
+from softid.diagnosis.verdict.equivalence import PRESLIDING, EquivalenceClass
 from softid.diagnosis.verdict.laws_alike import (
     BEFORE_THE_LOAD,
     HELD_INPUT,
@@ -95,9 +95,9 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     M = N = 0, a lag whose time goes with the pressure inside, τ(pa) ṗa + pa = p, is x = pa/Q with
     τ(Qx) Q ẋ + Q x = p: a damping that goes with the position. In a linear model a creep is one
     pole and one zero, as is the lag of a gauge or the lead of a sensor; a relaxation is one in any,
-    as the lead of a sensor is. An input that is held until
-    its next sample is late by half an interval. Fc tanh(v/vs) with a large vs is a damping that
-    falls with the speed, and so is one whose speed has one sign throughout.
+    as the lead of a sensor is. An input that is held until its next sample is late by half an
+    interval. Fc tanh(v/vs) with a large vs is a damping that falls with the speed, and so is one
+    whose speed has one sign throughout.
 
     Parameters
     ----------
@@ -110,27 +110,88 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     scale
         Sizes of the base fit.
     """
-    values = {p.name.removeprefix(f"{cause.effect}_"): p.value for p in cause.parameters}
-    others: tuple[str, ...] = ()
-    if cause.effect == "hysteresis" and values.get("zs", np.inf) <= GIVES_WAY * scale.x_span:
-        others = PRESLIDING.effects[1:]
-    elif key == "pneumatic_lag.level" and own_time(final) < OWN_TIME * values["tau"]:
-        others = OWN_DAMPING.effects[1:]
-    elif cause.effect == "coulomb_friction" and not turns_round(final):
-        others = ONE_WAY.effects[1:]
-    elif key == "sensor_clipping.lower" and final.problem.outputs[0] in FORCES:
-        others = BEFORE_THE_LOAD.effects[1:]
-    elif values.get("beta", 0.0) > STICTION_ALONE:
-        others = STICTION.effects[1:]
-    elif cause.effect == "coulomb_friction" and values["vs"] > DRY * scale.v_max:
-        others = THINNING.effects[1:]
-    elif key in SINGLE_DELAYS and _may_be_held(cause, final):
-        others = HELD_INPUT.effects
-    elif cause.effect == "creep" and final.problem.model.is_linear:
-        others = POLE_AND_ZERO.effects[1:] if values["tau"] < LASTING_RATIO * scale.motion_s else ()
-    elif cause.effect == "relaxation" and values["tau"] < LASTING_RATIO * scale.motion_s:
-        others = LEAD_AND_RELAXATION.effects[1:]
+    told = _Told(cause, key, final, scale)
+    alike = next((alike for alike, holds in LAWS_BY_NUMBERS if holds(told)), None)
+    others = () if alike is None else (key for key in alike.effects if key != cause.effect)
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *others))))
+
+
+@dataclass(frozen=True, eq=False)
+class _Told:
+    """A cause as which a link is told, the form of its effect, the model and its sizes."""
+
+    cause: Cause
+    form: str
+    final: Candidate
+    scale: Scale
+
+    def value(self, name: str, otherwise: float = np.nan) -> float:
+        """A parameter of the cause; without it ``otherwise``, with which no comparison holds."""
+        names = {p.name: p.value for p in self.cause.parameters}
+        return names.get(f"{self.cause.effect}_{name}", otherwise)
+
+
+def _gives_way_soon(told: _Told) -> bool:
+    is_hysteresis = told.cause.effect == "hysteresis"
+    return is_hysteresis and told.value("zs") <= GIVES_WAY * told.scale.x_span
+
+
+def _leaves_no_own_time(told: _Told) -> bool:
+    is_uneven = told.form == "pneumatic_lag.level"
+    return is_uneven and own_time(told.final) < OWN_TIME * told.value("tau")
+
+
+def _never_turns_round(told: _Told) -> bool:
+    return told.cause.effect == "coulomb_friction" and not turns_round(told.final)
+
+
+def _clips_a_force_at_rest(told: _Told) -> bool:
+    return told.form == "sensor_clipping.lower" and told.final.problem.outputs[0] in FORCES
+
+
+def _holds_at_rest_alone(told: _Told) -> bool:
+    return told.value("beta") > STICTION_ALONE
+
+
+def _comes_up_slowly(told: _Told) -> bool:
+    is_friction = told.cause.effect == "coulomb_friction"
+    return is_friction and told.value("vs") > DRY * told.scale.v_max
+
+
+def _may_be_held(told: _Told) -> bool:
+    """Whether what makes an input late that goes on between its samples is half of an interval."""
+    if told.form not in SINGLE_DELAYS:
+        return False
+    log, tau = told.final.problem.logs[0], told.cause.parameters[0]
+    if tau.ci95 is None or log.effective_intersample in HELD:
+        return False
+    half_s = 0.5 * log.as_recorded.period_s
+    return (1.0 - ABOUT) * tau.ci95[0] <= half_s <= (1.0 + ABOUT) * tau.ci95[1]
+
+
+def _creeps_while_it_moves(told: _Told) -> bool:
+    is_one_pole = told.cause.effect == "creep" and told.final.problem.model.is_linear
+    return is_one_pole and told.value("tau") < LASTING_RATIO * told.scale.motion_s
+
+
+def _relaxes_while_it_moves(told: _Told) -> bool:
+    is_relaxation = told.cause.effect == "relaxation"
+    return is_relaxation and told.value("tau") < LASTING_RATIO * told.scale.motion_s
+
+
+LAWS_BY_NUMBERS: tuple[tuple[EquivalenceClass, Callable[[_Told], bool]], ...] = (
+    (PRESLIDING, _gives_way_soon),
+    (OWN_DAMPING, _leaves_no_own_time),
+    (ONE_WAY, _never_turns_round),
+    (BEFORE_THE_LOAD, _clips_a_force_at_rest),
+    (STICTION, _holds_at_rest_alone),
+    (THINNING, _comes_up_slowly),
+    (HELD_INPUT, _may_be_held),
+    (POLE_AND_ZERO, _creeps_while_it_moves),
+    (LEAD_AND_RELAXATION, _relaxes_while_it_moves),
+)
+"""Causes alike, and where the numbers of one of them say so. The first that holds counts: friction
+that nobody has seen turn round has no speed at which it comes up."""
 
 
 def own_time(final: Candidate) -> float:
@@ -143,12 +204,3 @@ def own_time(final: Candidate) -> float:
     """
     law = usual_law(final)
     return law.damping_s if law is not None and law.stiffness > 0.0 else np.inf
-
-
-def _may_be_held(late: Cause, final: Candidate) -> bool:
-    """Whether what makes an input late that goes on between its samples is half of an interval."""
-    log, tau = final.problem.logs[0], late.parameters[0]
-    if tau.ci95 is None or log.effective_intersample in HELD:
-        return False
-    half_s = 0.5 * log.as_recorded.period_s
-    return (1.0 - ABOUT) * tau.ci95[0] <= half_s <= (1.0 + ABOUT) * tau.ci95[1]
