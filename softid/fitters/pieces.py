@@ -166,15 +166,25 @@ def piece_of_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
     assert block.jacobian is not None
     used = problem.segments[block.segment].used[block.channel]
     at = _moved_by(problem, block.segment, block.channel)
-    columns = np.vstack([block.jacobian.T[at], np.ones(block.residual.size), block.residual])
+    columns = np.empty((at.size + 2, block.residual.size))
+    columns[:-2] = block.jacobian[:, at].T  # faster than among the rows of a transpose
+    columns[-2] = 1.0
+    columns[-1] = block.residual
     jacobian = np.eye(columns.shape[0], at.size)
     residual = np.zeros(columns.shape[0])
     residual[-1] = 1.0
-    last = columns if keep else columns[-1:]
-    spread = np.zeros((len(last), used.size))
-    spread[:, used] = last
-    kept = (spread, None, None) if keep else (None, None, spread[0])
+    last = _spread(columns if keep else columns[-1:], used)
+    kept = (last, None, None) if keep else (None, None, last[0].copy())
     return Piece(block.channel, block.segment, columns @ columns.T, at, jacobian, residual, *kept)
+
+
+def _spread(rows: Array, used: npt.NDArray[np.bool_]) -> Array:
+    """Rows of values at the used samples with zeros at the others, shape (C, n)."""
+    if used.all():
+        return rows
+    spread = np.zeros((len(rows), used.size))
+    spread[:, used] = rows
+    return spread
 
 
 def _moved_by(problem: Problem, segment: int, channel: str) -> IndexArray:
