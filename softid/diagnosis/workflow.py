@@ -201,7 +201,7 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
             kept = recordings_with_intersample(
                 kept, base.candidate.problem.logs[0].effective_intersample
             )
-        kept = kept.each(partial(decimated, count=count, keeps_jumps=True))
+        kept = kept.each(partial(decimated, count=count))
     if base.candidate.has_spring:  # without one there is no rest, and no beginning is forgotten
         states = len(problem.model.start_states)
         kept = kept.each(partial(without_moving_start, motion_s=base.scale.motion_s, states=states))

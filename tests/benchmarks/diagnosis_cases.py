@@ -37,6 +37,7 @@ RIGS: dict[str, dict[str, Any]] = {
     "degrees": {"unit": "deg"},
     "coloured": {"coloured_share": 0.9, "rest_s": 30.0},
     "coloured, no rest": {"coloured_share": 0.9},
+    "quick valve": {"valve_s": 0.001},
 }
 
 PAIRED = (

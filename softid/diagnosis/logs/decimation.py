@@ -11,7 +11,7 @@ samples.
 
 A jump is no such course: a law that bends takes another force from its mean than from what is
 before and after it. So it stays where it was, between knots of its own, and the means of the
-outputs that hold it are left out, unless the averages only serve to choose.
+outputs that hold it are left out.
 """
 
 from __future__ import annotations
@@ -136,8 +136,10 @@ class AveragedLog(KnottedLog):
         return found
 
 
-def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
+def decimated(log: Log, count: int) -> Log:
     """The log with a value from every ``count`` samples in their place.
+
+    Jumps of the input stay where they were, and means of the outputs that hold one are left out.
 
     Parameters
     ----------
@@ -145,9 +147,6 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         A regular log.
     count
         Samples in a value; the last ones that fill none are left out.
-    keeps_jumps
-        Whether jumps of the input stay where they were, and means of the outputs that hold one are
-        left out.
 
     Examples
     --------
@@ -165,7 +164,7 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         return averaged
 
     time_s = mean(log.time_s)
-    jumping = _Jumps.of(log, most=MOST_JUMPS * groups if keeps_jumps else 0.0)
+    jumping = _Jumps.of(log, most=MOST_JUMPS * groups)
     masked = mean(jumping.is_in_one(log.time_s)) > 0.0
     masked |= mean(log.masked.astype(np.float64)) > 0.0
     channels = {}
@@ -249,7 +248,7 @@ def with_other_intersample(log: Log, intersample: Intersample) -> Log:
     if not isinstance(log, AveragedLog):
         return replace(log, intersample=intersample)
     whole = replace(log.recorded, intersample=intersample)
-    again = decimated(whole, log.count, keeps_jumps=bool(log.knots[0].size))
+    again = decimated(whole, log.count)
     assert isinstance(again, AveragedLog)
     channels = {**log.channels, log.input: again.channels[log.input]}
     return replace(log, channels=channels, intersample=intersample, knots=again.knots)

@@ -6,11 +6,13 @@ they were recorded: for the averages those that lie unevenly are read at even ti
 motion without a spring is left as it is: it adds up what a force is off for the whole log, so its
 candidates part after a few evaluations where averages differ in the last digits.
 
-Averages of a quick edge leave a residual of their own, which a clock that runs wrong or a lag by
-level would explain. Where it is large beside the misfit, the outputs are such that the fit leaves
-over the averages what these are of what it leaves over the samples. That is exact where the fit
-stands; where the misfit is larger, other laws stand too far away. What was read at even times for
-the averages has no samples to go by.
+A jump of the input stays where it was: beside one the nodes of an averaged input go beyond its
+levels, and a play, a friction or a dead zone, which follow only a part of a move, would follow
+that. Averages of a quick edge leave a residual of their own all the same, which a clock that runs
+wrong or a lag by level would explain. Where it is large beside the misfit, the outputs are such
+that the fit leaves over the averages what these are of what it leaves over the samples. That is
+exact where the fit stands; where the misfit is larger, other laws stand too far away. What was read
+at even times for the averages has no samples to go by.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.logs.decimation import decimated, samples_to_average
+from softid.diagnosis.logs.decimation import AveragedLog, decimated, samples_to_average
 from softid.diagnosis.logs.even_sampling import evenly_sampled
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.extension import extend_in_order, within_bounds_of
@@ -71,7 +73,7 @@ def rough_copy(
     )
     if count == 1:
         return whole, sigma
-    averaged = [decimated(log, count) for log in logs]
+    averaged = [_averaged(log, count) for log in logs]
     problem = _over(averaged, whole.problem)
     if problem is None:
         return whole, sigma
@@ -85,6 +87,13 @@ def rough_copy(
         return rough, weighted
     left = advance(replace(whole, problem=corrected), weighted, 1)
     return (left if rough.squares > OWN_MISFIT * left.squares else rough), weighted
+
+
+def _averaged(log: Log, count: int) -> Log:
+    """A log over averages, with jumps of its input where they were recorded."""
+    if isinstance(log, AveragedLog):
+        return decimated(log.at_samples(), count * log.count)
+    return decimated(log, count)
 
 
 def _over(logs: Sequence[Log], whole: Problem) -> Problem | None:

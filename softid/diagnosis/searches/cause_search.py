@@ -218,14 +218,14 @@ class CauseSearch:
     def search_from_other_causes(self, found: SearchResult) -> SearchResult:
         """What a search from another first cause finds, where that is sure; else what is known.
 
-        Either tells what was `unsure` on the way.
+        Either tells what was `unsure` on the way. What leads to the known causes is no other.
 
         Parameters
         ----------
         found
             What is known, with the chain from the best first cause.
         """
-        known, unsure = found.chain, list[Candidate]()
+        known, unsure = found.chain, list[SearchResult]()
         best = known.links[0].added if known.links else None
         refused = None if known.links or known.last is None else known.last.added
         base, given = self.base, (self.effects, self.base.scale, self.base.sigma)
@@ -234,6 +234,8 @@ class CauseSearch:
             longer = self.grow(other, max_links=2)
             if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
                 continue  # it was raced with its own forms only
+            if is_same_model(longer.final, known.final):
+                continue
             left = self.remainder_of(longer.final)
             if left.structured and not self._may_outdo(known, longer):
                 continue
@@ -244,7 +246,7 @@ class CauseSearch:
                 judged = self.judged(longer, other.final)
                 if judged.is_sure:
                     return judged.with_unsure(unsure)
-                unsure.append(judged.chain.final)
+                unsure.append(judged)
         return found.with_unsure(unsure)
 
     def _may_outdo(self, known: Chain, other: Chain) -> bool:

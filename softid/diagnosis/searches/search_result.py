@@ -31,7 +31,7 @@ class SearchResult:
     met_multistart
         Whether candidates from a multistart took part.
     unsure
-        Models from other first causes that explained the fitted samples and were not sure.
+        Results from other first causes that explained the fitted samples and were not sure.
     """
 
     chain: Chain
@@ -39,22 +39,23 @@ class SearchResult:
     is_named: tuple[bool, ...]
     first: Candidate | None = None
     met_multistart: bool = False
-    unsure: tuple[Candidate, ...] = ()
+    unsure: tuple[SearchResult, ...] = ()
 
-    def with_unsure(self, models: Sequence[Candidate]) -> SearchResult:
-        """The same with models that were met on the way and not sure.
+    def with_unsure(self, results: Sequence[SearchResult]) -> SearchResult:
+        """The same with results that were met on the way and not sure.
 
         Parameters
         ----------
-        models
-            The models.
+        results
+            Them.
         """
-        return replace(self, unsure=(*self.unsure, *models)) if models else self
+        return replace(self, unsure=(*self.unsure, *results)) if results else self
 
     @property
     def promising(self) -> Candidate | None:
         """What left noise on the fitted samples from another first cause, and erred elsewhere."""
-        return min(self.unsure, key=lambda model: model.squares, default=None)
+        models = (result.chain.final for result in self.unsure)
+        return min(models, key=lambda model: model.squares, default=None)
 
     @property
     def without_names(self) -> SearchResult:
@@ -78,11 +79,12 @@ class SearchResult:
 
 
 def is_same_model(one: Candidate, other: Candidate) -> bool:
-    """Whether two models have the same causes and explain as much.
+    """Whether two models have the same causes, whichever was found first, and explain as much.
 
     Parameters
     ----------
     one, other
         The models.
     """
-    return one.keys == other.keys and abs(one.squares / other.squares - 1.0) < SAME_OPTIMUM
+    explain_as_much = abs(one.squares / other.squares - 1.0) < SAME_OPTIMUM
+    return set(one.keys) == set(other.keys) and explain_as_much

@@ -114,7 +114,7 @@ def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResul
     Where a curve leaves something, its free values have taken what a second cause does, which pays
     no more beside it then. A first cause that stands for two others leaves more than noise, or two
     more make up for it, or what it leaves is larger than the fastest part of the noise: what is
-    likelier takes its place.
+    likelier takes its place. What is not sure does if what was found is not, and is outdone in all.
     """
     links, left = found.chain.links, found.remainder
     is_bent = found.chain.bends and left.leaves_something
@@ -123,10 +123,28 @@ def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResul
     if not (is_bent or is_doubted):
         return found
     other = search.search_from_other_causes(found)
-    if is_bent or other.chain is found.chain:
-        return other
-    is_better = is_likelier(other.chain.final, found.chain.final, search.base.sigma)
+    if other.chain is found.chain:
+        return _outdoing(other, search)
+    is_better = is_bent or is_likelier(other.chain.final, found.chain.final, search.base.sigma)
     return other if is_better else found.with_unsure(other.unsure)
+
+
+def _outdoing(found: SearchResult, search: CauseSearch) -> SearchResult:
+    """What was found, or what was met on the way that outdoes it in everything though it is unsure.
+
+    It names as many causes at least, has no more unknowns, explains more, also in the sight of the
+    noise, and errs less on what is held out.
+    """
+    held_out, sigma = search.base.held_out, search.base.sigma
+    for other in sorted(found.unsure, key=lambda result: result.chain.final.squares):
+        now, then = found.chain.final, other.chain.final
+        names_as_many = sum(other.is_named) >= sum(found.is_named)
+        is_plainer = then.problem.size <= now.problem.size
+        if not (names_as_many and is_plainer and then.squares < now.squares):
+            continue
+        if held_out.rms(then) < held_out.rms(now) and is_likelier(then, now, sigma):
+            return replace(other, unsure=found.unsure)
+    return found
 
 
 def search_with_intersample(

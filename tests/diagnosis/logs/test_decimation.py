@@ -164,7 +164,7 @@ def test_averages_of_a_held_input_come_when_it_does(intersample: Intersample) ->
         return float(np.std(block.residual[100:]) / np.ptp(log.channels["angle"].values))
 
     log = moved(intersample)
-    short = decimated(log, 5, keeps_jumps=True)
+    short = decimated(log, 5)
     assert short.intersample == intersample
     assert (short.effective_intersample, short.between_samples) == (intersample, "straight")
     assert left_by(short) < 1e-3
@@ -192,10 +192,10 @@ def stepping(pieces: int, length: int = 100) -> Log:
 def test_a_jump_stays_where_it_was(intersample: Intersample, count: int) -> None:
     """Known truth: steps are drawn as recorded, to rounding; taken again they are where those are.
 
-    The means that hold one are left out, and no others; averages that only choose keep all.
+    The means that hold one are left out, and no others.
     """
     log = stepping(12).with_intersample(intersample)
-    short = decimated(log, count, keeps_jumps=True)
+    short = decimated(log, count)
     (segment,) = short.segments()
     inside_s = np.arange(segment.time_s[0], segment.time_s[-1], 0.0007)
     known = np.interp(inside_s, log.time_s, log.channels["pressure"].values)
@@ -210,14 +210,11 @@ def test_a_jump_stays_where_it_was(intersample: Intersample, count: int) -> None
     holding = np.unique(np.concatenate((samples - 1, samples)) // count)
     expected = [k not in holding for k in range(len(short))]
     assert segment.samples_of(segment.used["angle"]).tolist() == expected
-    (rough,) = decimated(log, count).segments()
-    assert rough.is_sample is None
-    assert rough.used["angle"].all()
 
 
 def test_a_train_of_pulses_is_averaged() -> None:
     """Of so many jumps nothing but their knots would be left."""
-    (segment,) = decimated(stepping(200, length=6), 3, keeps_jumps=True).segments()
+    (segment,) = decimated(stepping(200, length=6), 3).segments()
     assert segment.is_sample is None
     assert segment.used["angle"].all()
 
