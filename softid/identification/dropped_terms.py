@@ -67,6 +67,9 @@ def dropped_term(
 ) -> DroppedTerm:
     """The fit before a term was left out, with that term as large as it may be unseen.
 
+    Where that is an inertia, logs that begin in motion begin with the same momentum: a velocity
+    that is lost at once would throw a heavier actuator out of this world.
+
     Parameters
     ----------
     problem, optimum
@@ -78,16 +81,30 @@ def dropped_term(
     """
     free = problem.free
     raised = np.array([n in names and problem.parameters[n].scale == "log" for n in free])
-    step = np.zeros(optimum.unknowns.size)
+    step, slower = np.zeros(optimum.unknowns.size), np.ones(optimum.unknowns.size)
     step[: len(free)] = np.log(RISE) * raised
+    if problem.model.inertia_parameter in names:
+        slower[_velocities(problem)] = 1.0 / RISE
     z = optimum.unknowns
     for _ in range(MOST_RISES):
-        if not step.any() or is_seen(problem.theta(z + step)):
+        further = slower * z + step
+        if not step.any() or is_seen(problem.theta(further)):
             break
-        z = z + step
+        z = further
     at_bound = optimum.at_bound.copy()
     at_bound[: len(free)] &= ~raised
     return DroppedTerm(problem, replace(optimum, unknowns=z, at_bound=at_bound, linearised=None))
+
+
+def _velocities(problem: Problem) -> list[int]:
+    """Where the initial velocities stand among the unknowns."""
+    states = problem.model.start_states
+    return [
+        at
+        for k in range(len(problem.segments))
+        for at, name in zip(problem.state_positions(k), states, strict=False)
+        if name == "v"
+    ]
 
 
 def deviations_beside(

@@ -117,3 +117,32 @@ def test_a_model_that_was_named_without_a_term_has_none() -> None:
     """Who says that there is no inertia knows the stiffness to what the sine tells of it."""
     found = fit(slow_log(0), model=Oscillator(order="first"))
     assert found.parameter("Q").stderr == pytest.approx(stiffness_error(("N", "Q")), rel=0.1)
+
+
+def light_log(seed: int) -> Log:
+    """72 s of an arm without a visible inertia under noise of 1 s, which hides where it begins."""
+    rng, time_s = np.random.default_rng(seed), np.arange(0.0, 72.0, 0.02)
+    levels = np.random.default_rng(7).uniform(0.0, 100.0, 21)
+    pressure = np.concatenate((np.repeat(levels, 100), np.zeros(1500)))
+    angle = lsim(([1.0], [31.0, 145.0]), pressure, time_s, interp=False)[1]
+    noise, kept = np.empty(time_s.size), float(np.exp(-0.02))
+    noise[0] = rng.standard_normal()
+    for k in range(1, noise.size):
+        noise[k] = kept * noise[k - 1] + np.sqrt(1.0 - kept**2) * rng.standard_normal()
+    return Log.from_arrays(
+        time_s,
+        {"pressure": pressure, "angle": angle + 0.006 * noise},
+        outputs=("angle",),
+        units={"angle": "rad"},
+    ).with_intersample("held")
+
+
+def test_a_start_that_is_lost_at_once_says_nothing_of_the_others() -> None:
+    """Errors beside an inertia that no sample shows are those of repeated logs, within a factor of
+    two: an initial velocity that its inertia loses at once stays lost."""
+    fits = [fit(light_log(seed), model="oscillator") for seed in range(12)]
+    for name in ("N", "Q"):
+        values = [found.parameter(name).value for found in fits]
+        told = [found.parameter(name).stderr for found in fits]
+        assert 0.5 < np.median(told) / np.std(values, ddof=1) < 2.0
+    assert all(found.parameter("M").value == 0.0 for found in fits)

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from handmade_rounds import candidate
 from handmade_searches import (
     ALONE,
     NAMED,
@@ -130,7 +131,10 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
 
 
 def answered(
-    found: SearchResult, other: SearchResult | None, monkeypatch: pytest.MonkeyPatch
+    found: SearchResult,
+    other: SearchResult | None,
+    monkeypatch: pytest.MonkeyPatch,
+    base: Any = None,
 ) -> tuple[SearchResult, list[Chain]]:
     """The answer where the search finds one thing and other first causes another, and the chains
     behind which these were asked for."""
@@ -145,7 +149,7 @@ def answered(
 
     monkeypatch.setattr(CauseSearch, "search_from_other_causes", from_another)
     unused: Any = None
-    answer, _ = search_causes(unused, unused, search_over(), others)
+    answer, _ = search_causes(unused, unused, search_over(base), others)
     return answer, asked
 
 
@@ -194,6 +198,41 @@ def test_what_is_likelier_takes_the_place_of_three_causes_and_of_what_leaves_mor
     answer, asked = answered(named, other, monkeypatch)
     assert asked == ([named.chain] if asks else [])
     assert answer is (other if replaced else named)
+
+
+@pytest.mark.parametrize(
+    ("squares", "size", "error", "named", "likelier", "replaced"),
+    [
+        (50.0, 7, 0.9, (True, False), True, True),
+        (50.0, 8, 0.9, (True, False), True, False),
+        (150.0, 7, 0.9, (True, False), True, False),
+        (50.0, 7, 1.1, (True, False), True, False),
+        (50.0, 7, 0.9, (False, False), True, False),
+        (50.0, 7, 0.9, (True, False), False, False),
+    ],
+    ids=["in everything", "more unknowns", "leaves more", "errs more", "no name", "less likely"],
+)
+def test_what_is_unsure_is_outdone_by_what_does_better_in_everything(
+    squares: float,
+    size: int,
+    error: float,
+    named: tuple[bool, ...],
+    likelier: bool,
+    replaced: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A creep and a contact that leave something, behind a curve and another form of the creep."""
+    first, second = chain_of("creep.series", "static_curve"), chain_of("creep", "contact")
+    now = candidate(first.final.keys, unknowns=7)
+    then = candidate(second.final.keys, squares, unknowns=size)
+    other = SearchResult(replace(second, final=then), STRUCTURE, named)
+    known = SearchResult(replace(first, final=now), STRUCTURE, (True, False))
+    monkeypatch.setattr(strategy, "is_likelier", lambda one, than, sigma: likelier)
+    base = base_fit()
+    base.held_out = SimpleNamespace(rms=lambda model: error if model is then else 1.0)
+    answer, _ = answered(known, known.with_unsure([other]), monkeypatch, base)
+    assert answer.chain is (other if replaced else known).chain
+    assert answer.unsure == (other,)
 
 
 @pytest.mark.parametrize("sure", [NAMED, None])
