@@ -166,7 +166,7 @@ class Effect(ABC):
         return None
 
     def differs_within(self, values: Mapping[str, float]) -> float:
-        """Time scale in s on which it still differs from `simpler`; infinite without one.
+        """Time in s on which it still differs from `simpler` or its plain form; infinite if longer.
 
         Parameters
         ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -122,6 +123,10 @@ class SeparatePneumaticLag(PneumaticLag):
         lag(np.diff(time_s), arriving, float(eta[0]), float(eta[0] * eta[1]))
         return arriving
 
+    def differs_within(self, values: Mapping[str, float]) -> float:
+        """By how much the two times differ."""
+        return values["tau"] * abs(values["ratio"] - 1.0)
+
     def bends_in_s(self, eta: Array) -> float:
         """The shorter time constant; where one takes over from the other nothing moves."""
         return float(eta[0] * min(eta[1], 1.0))
@@ -185,6 +190,10 @@ class LevelPneumaticLag(PneumaticLag):
         middle = 0.5 * (scale.u_low + scale.u_high)
         lag_by_level(np.diff(time_s), arriving, float(eta[0]), growth, middle)
         return arriving
+
+    def differs_within(self, values: Mapping[str, float]) -> float:
+        """By how much the times at the ends of the pressures differ."""
+        return values["tau"] * abs(values["ratio"] - 1.0) / math.sqrt(values["ratio"])
 
     def bends_in_s(self, eta: Array) -> float:
         """The time constant at that end of the pressures where it is shortest."""

@@ -91,10 +91,7 @@ def with_presliding(
     both = set(PRESLIDING.effects)
     why = f"{PRESLIDING.why}{SPLITS}{PRESLIDING.splits}."
     return tuple(
-        replace(tie, why=why)
-        if gives_way and set(tie.effects) == both and not are_alike(tie)
-        else tie
-        for tie in ties
+        replace(tie, why=why) if gives_way and set(tie.effects) == both else tie for tie in ties
     )
 
 

@@ -41,7 +41,7 @@ settle within it."""
 RECORD = "record "
 """How advice begins that asks for an experiment."""
 
-SEE_MORE = "sample faster, or with less noise: what would show it is in these logs already"
+SEE_MORE = "record these moves again, sampled faster or with less noise"
 """Advice where the experiment that would help is on record."""
 
 ANY_OF: dict[str, tuple[str, ...]] = {

@@ -72,15 +72,18 @@ def choose_contender(
     plain = next(
         (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
     )
+
+    def margin(row: Ranked) -> float:
+        """What a law must gain on a simpler one."""
+        is_quick = _differs_within(row, added(row)) < period_s
+        return max(NESTED, WITHIN_SAMPLE * (before.bic - row.bic) if is_quick else NESTED)
+
     if added(best).variant and plain is not None:
-        is_richer = plain.bic - best.bic >= NESTED and not _ends_plain(best, added(best))
+        is_richer = plain.bic - best.bic >= margin(best) and not _ends_plain(best, added(best))
         best = best if is_richer else plain
     simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
     if simple is not None:
-        margin = NESTED
-        if _differs_within(best, added(best)) < period_s:
-            margin = max(margin, WITHIN_SAMPLE * (before.bic - best.bic))
-        best = simple if simple.bic - best.bic < margin else best
+        best = simple if simple.bic - best.bic < margin(best) else best
     near = [row for row in ranked if row.bic - best.bic < INDISTINCT]
     covered = {row: simpler for row in near if (simpler := _simpler(row, added(row)))}
     distinct = [r.bic for r in near if r not in covered and added(r).name not in covered.values()]
