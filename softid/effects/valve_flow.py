@@ -124,7 +124,7 @@ class SeparateValveFlow(ValveFlow):
     meaning: ClassVar[str] = (
         "A narrow valve limits the flow of air, and lets it out through another opening than in, "
         "so after a large step the pressure changes at a constant rate at first, by another one "
-        "down than up."
+        "down than up; a supply that sags while it fills the actuator does the same."
     )
     signature: ClassVar[str] = (
         "The residual after a step is larger and lasts longer for larger steps, and differs "

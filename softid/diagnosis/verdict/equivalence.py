@@ -182,8 +182,8 @@ TWO_HYSTERESES = EquivalenceClass(
 
 SETTLING_STIFFNESS = EquivalenceClass(
     ("a stiffness or a gain that changes", UNLISTED["settling_stiffness"]),
-    ("settling_stiffness", "recovering_softening"),
-    "A refit with such a stiffness in its place explains these logs better",
+    ("settling_stiffness", "settling_gain", "recovering_softening"),
+    "A refit with the last of them in its place explains these logs better",
     "the same two levels again and again, for long, and the same log after a rest",
 )
 """A course in time that is not linear."""

@@ -25,6 +25,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     PressureDrift,
     PressureGainDrift,
     RecoveringSoftening,
+    SettlingGain,
     SettlingStiffness,
 )
 from softid.diagnosis.verdict.unlisted_laws import (
@@ -184,7 +185,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(BESIDE_A_LOOP, ((SecondHysteresis(),),), beside="hysteresis", most=MOST_OF_A_LOOP),
     Replacement(
         ("softening", "ageing", "sensor_gain_drift"),
-        ((SettlingStiffness(),), (RecoveringSoftening(),)),
+        ((SettlingStiffness(),), (SettlingGain(),), (RecoveringSoftening(),)),
         behind=0.0,
     ),
     Replacement(

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Effect, InputEffect, StateEffect
+from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
 from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
@@ -156,16 +156,9 @@ class DampingDrift(ConstantRate, StateEffect):
 
 
 @dataclass(frozen=True)
-class SettlingStiffness(StateEffect):
-    """A stiffness that settles with the time, (1 + s (1 − e^{−t/τ})) times the model's."""
+class Settling(Effect):
+    """What gains a share with the time and settles has the share, of either sign, and the time."""
 
-    name: ClassVar[str] = "settling_stiffness"
-    title: ClassVar[str] = "Stiffness that settles"
-    law: ClassVar[str] = "Q (1 + share (1 - exp(-t/tau)))"
-    meaning: ClassVar[str] = "The actuator warms up or is worn in, and then stays as it is."
-    signature: ClassVar[str] = "The residual grows with the position, at first and then no more."
-    remedy: ClassVar[str] = "let it settle before the log begins"
-    shown_by: ClassVar[str] = "the same two levels again and again, for long"
     source: ClassVar[str] = "first order"
     amplitude: ClassVar[str] = "share"
     counts_position: ClassVar[bool] = True
@@ -174,15 +167,8 @@ class SettlingStiffness(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is gained at last, and the time τ."""
-        gained = one_parameter(
-            "share",
-            STARTING_CHANGE,
-            "1",
-            -LARGEST_CHANGE,
-            LARGEST_CHANGE,
-            "gained at last",
-            self.source,
-        )
+        start, most = STARTING_CHANGE, LARGEST_CHANGE
+        gained = one_parameter("share", start, "1", -most, most, "gained at last", self.source)
         tau = _settling_time(scale, "time in which it settles", self.source)
         return ParameterSet((*gained.values(), tau))
 
@@ -193,10 +179,47 @@ class SettlingStiffness(StateEffect):
             {"share": s, "tau": tau} for s in (STARTING_CHANGE, -STARTING_CHANGE) for tau in times
         )
 
+
+@dataclass(frozen=True)
+class SettlingStiffness(Settling, StateEffect):
+    """A stiffness that settles with the time, (1 + s (1 − e^{−t/τ})) times the model's."""
+
+    name: ClassVar[str] = "settling_stiffness"
+    title: ClassVar[str] = "Stiffness that settles"
+    law: ClassVar[str] = "Q (1 + share (1 - exp(-t/tau)))"
+    meaning: ClassVar[str] = "The actuator warms up or is worn in, and then stays as it is."
+    signature: ClassVar[str] = "The residual grows with the position, at first and then no more."
+    remedy: ClassVar[str] = "let it settle before the log begins"
+    shown_by: ClassVar[str] = "the same two levels again and again, for long"
+
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Relative change of the stiffness."""
         out[STIFFNESS] += eta[0] * (1.0 - exp(-t / eta[1]))
+
+
+@dataclass(frozen=True)
+class SettlingGain(Settling, OutputEffect):
+    """A gain of the sensor that settles with the time, y (1 + s (1 − e^{−t/τ})).
+
+    At rest it is what a stiffness that settles does; in motion that changes the time constant, too.
+    """
+
+    name: ClassVar[str] = "settling_gain"
+    title: ClassVar[str] = "Gain of the sensor that settles"
+    law: ClassVar[str] = "recorded y = x (1 + share (1 - exp(-t/tau)))"
+    meaning: ClassVar[str] = "The sensor warms up, and then reads as it does."
+    signature: ClassVar[str] = "The residual grows with the reading, at first and then no more."
+    remedy: ClassVar[str] = "switch the sensor on long before the log begins"
+    shown_by: ClassVar[str] = "the same fast steps again and again, for long"
+    begins_with_log: ClassVar[bool] = True
+    is_linear: ClassVar[bool] = True
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Multiply by 1 + s (1 − e^{−t/τ})."""
+        del scale
+        grown: Array = y * (1.0 - eta[0] * np.expm1(-time_s / eta[1]))
+        return grown
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     PressureDrift,
     PressureGainDrift,
     RecoveringSoftening,
+    SettlingGain,
     SettlingStiffness,
     one_parameter,
 )
@@ -202,6 +203,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     BentReading,
     DampingDrift,
     SettlingStiffness,
+    SettlingGain,
     RecoveringSoftening,
     PositionDamping,
     PositionInertia,

@@ -40,6 +40,7 @@ UNLISTED: dict[str, str] = {
     "closes",
     "second_hysteresis": "a second hysteresis that gives way over another distance",
     "settling_stiffness": "a stiffness that changes with the time and settles",
+    "settling_gain": "a gain of the sensor that changes with the time and settles",
     "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
     "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",

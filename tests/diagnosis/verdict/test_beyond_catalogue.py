@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from late_gauge import with_a_late_gauge
 
@@ -24,7 +26,7 @@ from softid.diagnosis.verdict.unlisted_pneumatics import ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import LateGauge
 from softid.effects import effect_of
 from softid.effects.base import Effect
-from softid.log import LogSet
+from softid.log import Log, LogSet
 from softid.synthesis import hidden_pair
 
 
@@ -55,6 +57,26 @@ def test_what_is_hidden_is_told(hidden: str, law: str) -> None:
     assert found is not None
     assert found.laws[0].name == law
     assert min(found.share, found.held_out_share) > 0.9
+
+
+def with_a_settling_gain(log: Log) -> Log:
+    """The log of a sensor that reads 15 % more once it is warm, after a few times 8 s."""
+    (name,) = log.outputs
+    channel = log.channels[name]
+    grown = channel.values * (1.15 - 0.15 * np.exp(-log.time_s / 8.0))
+    return replace(log, channels={**log.channels, name: replace(channel, values=grown)})
+
+
+def test_a_gain_that_settles_is_told_from_a_stiffness_that_does() -> None:
+    """Known truth: the sensor's gain; the stiffness would change the time of the motion, too."""
+    fitted, judge = (with_a_settling_gain(log) for log in hidden_pair(seed=710008).logs)
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
+    found = beyond_catalogue(base, noise_variance(base.candidate, base.scale))
+    assert found is not None
+    assert [law.name for law in found.laws] == ["settling_gain"]
+    assert found.sizes[0][0] == pytest.approx(0.15, rel=0.1)
+    assert found.sizes[1][0] == pytest.approx(8.0, rel=0.1)
 
 
 @pytest.mark.parametrize("hidden", ["creep", "coulomb_friction", "sensor_lag", "swinging_load"])

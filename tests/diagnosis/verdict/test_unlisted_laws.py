@@ -26,6 +26,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     PressureDrift,
     PressureGainDrift,
     RecoveringSoftening,
+    SettlingGain,
     SettlingStiffness,
 )
 from softid.diagnosis.verdict.unlisted_laws import (
@@ -290,6 +291,13 @@ def test_a_stiffness_settles() -> None:
         out = np.zeros(8)
         SettlingStiffness.step(0.0, 0.0, 0.0, 0.0, time_s, np.array([0.2, 10.0]), out)
         assert out[STIFFNESS] == pytest.approx(expected)
+
+
+def test_a_gain_settles() -> None:
+    """Closed form: a reading of 2 gains 0.2 of itself, of which 1 − 1/e is there after 10 s."""
+    eta, time_s = np.array([0.2, 10.0]), np.array([0.0, 10.0, 500.0])
+    found = SettlingGain().apply(eta, time_s, np.full(3, 2.0), sizes_of("muscle"))
+    assert found == pytest.approx([2.0, 2.0 * (1.2 - 0.2 * np.exp(-1.0)), 2.4])
 
 
 def test_a_softening_recovers_with_its_time() -> None:
