@@ -172,8 +172,8 @@ def lag_by_level(step_s: Array, values: Array, tau_s: float, growth: float, leve
 
 
 @kernel
-def limit_rate(step_s: Array, values: Array, limit: float) -> None:
-    """Follow the input no faster than a limit, |ẏ| ≤ R.
+def limit_rate(step_s: Array, values: Array, rising: float, falling: float) -> None:
+    """Follow the input no faster than a limit either way, −F ≤ ẏ ≤ R.
 
     Parameters
     ----------
@@ -181,13 +181,12 @@ def limit_rate(step_s: Array, values: Array, limit: float) -> None:
         Intervals, shape (n − 1,).
     values
         Input, shape (n,); overwritten by the output.
-    limit
-        The limit R, positive.
+    rising, falling
+        The limits R and F, positive.
     """
     y = values[0]
     for k in range(step_s.size):
-        most = limit * step_s[k]
-        y += min(max(values[k + 1] - y, -most), most)
+        y += min(max(values[k + 1] - y, -falling * step_s[k]), rising * step_s[k])
         values[k + 1] = y
 
 

@@ -31,6 +31,7 @@ from softid.diagnosis.verdict.beyond_catalogue import (
 )
 from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, OF_LINEAR, UNLISTED_LAWS
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
+from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
 from softid.diagnosis.verdict.unlisted_positions import PositionInertia
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.effects.base import Effect
@@ -385,4 +386,5 @@ def _size_of(found: BeyondCatalogue) -> str:
     if unit == "1":
         what = "over" if isinstance(found.laws[0], PositionInertia) else "of"
         return f" ({100.0 * value:.2g} % {what} the range)"
-    return f" ({value:.3g} {unit})"
+    of_what = " for the whole range" if isinstance(found.laws[0], RateLimit) else ""
+    return f" ({value:.3g} {unit}{of_what})"

@@ -40,8 +40,9 @@ PROMISING_RATIO = 2.0
 """Most times the sum of squares that the causes leave which what is put in their place may leave
 after its first evaluations."""
 
-CURVED = ("input_limit", "relief_leak", "dead_zone")
-"""Laws of the input that bend the static curve."""
+LEAD_ASTRAY = ("input_limit", "relief_leak", "dead_zone", "rate_limit", "input_play")
+"""Laws of the input without which a base ends far from where it belongs: they bend the static
+curve, or keep back a part of every move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +97,8 @@ def refitted_with(
     Where none of its effects stays, they also begin beside the base without any, for what stood in
     their place may have moved it to another optimum, or away from one. All that come near go on: of
     two optima the one that is reached first is not always the lower.
-    One of `CURVED` also begins at start values of the base for what arrives behind it: what stood
-    for it has bent the curve of the base.
+    One of `LEAD_ASTRAY` also begins at start values of the base for what arrives behind it: what
+    stood for it has led the base away.
 
     Parameters
     ----------
@@ -158,7 +159,7 @@ def _starts(
         )
         for place in ((known,) if kept else (known, rough_base))
     ]
-    if not (isinstance(laws[0], InputEffect) and laws[0].name in CURVED):
+    if not (isinstance(laws[0], InputEffect) and laws[0].name in LEAD_ASTRAY):
         return found
     beside = {
         name: value

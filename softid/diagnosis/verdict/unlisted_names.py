@@ -21,7 +21,7 @@ UNLISTED: dict[str, str] = {
     "actuator has without pressure",
     "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
     "a gauge whose gain drifts",
-    "rate_limit": "a supply that takes no less than one time for its whole range, up or down",
+    "rate_limit": "a regulator that changes the pressure no faster than at some rate",
     "input_limit": "a supply that gives no more than one pressure",
     "relief_leak": "a leak that opens above a pressure, as a relief valve does",
     "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",

@@ -27,6 +27,9 @@ START_TIMES = (0.1, 0.2, 0.4, 0.7, 1.1, 1.7, 2.5, 4.0)
 """Starts of the time that a limit makes the whole range take, in times of the motion. Of
 three that lay further apart the best one led to a false optimum; each costs one simulation."""
 
+RATE_RATIOS = (0.1, 10.0)
+"""Bounds of the time that a limit takes downward, in those upward: beyond them one way has none."""
+
 LEAST_LOST, MOST_LOST, START_LOST = 1e-3, 20.0, 0.3
 """Bounds and start of what a leak loses of the pressure beyond that at which it opens."""
 
@@ -46,19 +49,23 @@ OPENS_AT = (0.3, 0.6)
 
 @dataclass(frozen=True)
 class RateLimit(InputEffect):
-    """A pressure that never changes faster than a limit, |ṗa| ≤ u_span/time."""
+    """A pressure that never changes faster than a limit, −u_span/(ratio time) ≤ ṗa ≤ u_span/time.
+
+    A regulator fills through one seat and vents through another.
+    """
 
     name: ClassVar[str] = "rate_limit"
     title: ClassVar[str] = "Limit of the filling rate"
-    law: ClassVar[str] = "|arriving u'| <= u_span/time"
-    meaning: ClassVar[str] = "A pump or a servo valve fills and vents at no more than one rate."
+    law: ClassVar[str] = "-u_span/(ratio time) <= arriving u' <= u_span/time"
+    meaning: ClassVar[str] = "A pump or a servo valve fills and vents at no more than some rate."
     signature: ClassVar[str] = "What is left after a step lasts longer the larger the step is."
     shown_by: ClassVar[str] = "steps of several sizes"
     source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
     amplitude: ClassVar[str] = "time"
+    plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The time that the whole range takes."""
+        """The time that the whole range takes upward, and that downward as a multiple of it."""
         longest = max(LONGEST_SHARE * scale.duration_s, scale.motion_s)
         return ParameterSet(
             (
@@ -69,22 +76,33 @@ class RateLimit(InputEffect):
                     SHORTEST_TIMES * scale.motion_s,
                     longest,
                     "log",
-                    meaning="time in which the input passes through its range",
+                    meaning="time in which the input rises through its range",
+                    source=self.source,
+                ),
+                Parameter(
+                    "ratio",
+                    1.0,
+                    "1",
+                    *RATE_RATIOS,
+                    "log",
+                    meaning="time in which it falls over that in which it rises",
                     source=self.source,
                 ),
             )
         )
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """From a fraction to a few of the motion's own times."""
+        """From a fraction to a few of the motion's own times, as fast up as down."""
         longest = self.parameters(scale)["time"].upper
-        return tuple({"time": min(share * scale.motion_s, longest)} for share in START_TIMES)
+        times = [min(share * scale.motion_s, longest) for share in START_TIMES]
+        return tuple({"time": time_s, "ratio": 1.0} for time_s in times)
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """Follow the input as fast as is allowed."""
-        arriving = np.array(u, np.float64)
-        if eta[0] > 0.0:
-            limit_rate(np.diff(time_s), arriving, scale.u_span / float(eta[0]))
+        arriving, (rise_s, ratio) = np.array(u, np.float64), eta.tolist()
+        if rise_s > 0.0:
+            rising = scale.u_span / rise_s
+            limit_rate(np.diff(time_s), arriving, rising, rising / ratio)
         return arriving
 
 

@@ -21,8 +21,8 @@ from softid.diagnosis.verdict.beyond_catalogue import (
     beyond_catalogue,
 )
 from softid.diagnosis.verdict.unlisted_curves import FreeSpring
-from softid.diagnosis.verdict.unlisted_laws import OutputPlay
-from softid.diagnosis.verdict.unlisted_pneumatics import ReliefLeak
+from softid.diagnosis.verdict.unlisted_laws import InputPlay, Law, OutputPlay
+from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import LateGauge
 from softid.effects import effect_of
 from softid.effects.base import Effect
@@ -57,6 +57,25 @@ def test_what_is_hidden_is_told(hidden: str, law: str) -> None:
     assert found is not None
     assert found.laws[0].name == law
     assert min(found.share, found.held_out_share) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("hidden", "protocol", "seed", "law"),
+    [
+        ("rate_limit", "rich", 740000, RateLimit),
+        ("input_backlash", "lever", 740001, InputPlay),
+    ],
+)
+def test_what_leads_a_base_far_away_is_told(
+    hidden: str, protocol: str, seed: int, law: type[Law]
+) -> None:
+    """Stands on the generator: from where the base ends without it no way leads back."""
+    fitted, judge = hidden_pair((hidden,), seed=seed, size=4.0, protocol=protocol).logs
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
+    found = beyond_catalogue(base, noise_variance(base.candidate, base.scale), (law,))
+    assert found is not None
+    assert min(found.share, found.held_out_share) > 0.98
 
 
 def with_a_settling_gain(log: Log) -> Log:

@@ -94,13 +94,16 @@ def test_what_arrives(law: Any, expected: list[float]) -> None:
 
 
 def test_a_limit_is_followed() -> None:
-    """1 span in 2 s, with steps of 0.25 s: it rises by an eighth of the span a step, and stays."""
+    """1 span in 2 s, with steps of 0.25 s: it rises by an eighth of the span a step, and stays; by
+    half of that it falls where that takes twice as long."""
     scale = sizes_of("muscle")
     time_s = 0.25 * np.arange(7)
     u = scale.u_span * np.array([0.0, 0.3, 0.3, 0.3, 0.3, 0.2, 0.2])
-    found = RateLimit().apply(np.array([2.0]), time_s, u, scale) / scale.u_span
+    found = RateLimit().apply(np.array([2.0, 1.0]), time_s, u, scale) / scale.u_span
     np.testing.assert_allclose(found, [0.0, 0.125, 0.25, 0.3, 0.3, 0.2, 0.2], atol=1e-12)
-    np.testing.assert_array_equal(RateLimit().apply(np.array([0.0]), time_s, u, scale), u)
+    slower = RateLimit().apply(np.array([2.0, 2.0]), time_s, u, scale) / scale.u_span
+    np.testing.assert_allclose(slower[4:], [0.3, 0.2375, 0.2], atol=1e-12)
+    np.testing.assert_array_equal(RateLimit().apply(np.array([0.0, 1.0]), time_s, u, scale), u)
 
 
 def test_a_supply_gives_no_more() -> None:
