@@ -112,6 +112,8 @@ def averaging_issues(count: int) -> tuple[Issue, ...]:
 def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     """That what is held out speaks against the best law; nothing where a law was added.
 
+    Nor is anything told of a law that takes away next to nothing.
+
     Parameters
     ----------
     chain
@@ -123,9 +125,10 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
         return ()
     best = chain.last.chosen.plain
     before, after = held.rms(chain.final), held.rms(best)
-    if not after > (1.0 - LEAST_GAIN) * before:
+    taken = 1.0 - best.squares / chain.final.squares
+    if taken < LEAST_GAIN or not after > (1.0 - LEAST_GAIN) * before:
         return ()
-    takes = percent(1.0 - best.squares / chain.final.squares)
+    takes = percent(taken)
     worse = after > (1.0 + LEAST_GAIN) * before
     change = f"adds {percent(after / before - 1.0)} to it" if worse else "leaves it as it is"
     code = REFUSED

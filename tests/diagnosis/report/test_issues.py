@@ -52,8 +52,10 @@ def test_what_begins_with_a_log_may_have_begun_before(key: str, anew: bool) -> N
 
 
 def test_nothing_is_refused_that_did_not_pay_or_was_added() -> None:
-    """A fall of the BIC by 10 is chance; a chain with a link has its cause."""
-    chance, found = link(10.0), link(300.0)
+    """A fall of the BIC by 10 is chance; a chain with a link has its cause; and a law that takes
+    away half a hundredth has nothing to be refused."""
+    chance, found, slight = link(10.0), link(300.0), link(300.0, after=99.5)
+    assert not refusal_issues(Chain((), slight, slight.before.candidate), judge(1.0, 2.0))
     assert not refusal_issues(Chain((), chance, chance.before.candidate), judge(1.0, 2.0))
     assert not refusal_issues(Chain((found,), found, found.chosen.plain), judge(1.0, 2.0))
     assert not refusal_issues(Chain((), None, found.before.candidate), judge(1.0, 2.0))
