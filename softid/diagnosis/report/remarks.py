@@ -36,7 +36,7 @@ from softid.quality.causality import LEADING_OUTPUT
 WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE, UNASKED_MODEL, NOT_TOGETHER)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
-ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
+ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY)
 """Codes of remarks on the logs that belong into every paragraph."""
 
 MARKS = (
@@ -65,6 +65,8 @@ class Remarks:
     ----------
     seen
         What the logs show by themselves, without a model.
+    assumed
+        What the input is taken to do between its samples, where another assumption does as well.
     changes
         What changed within the fitted logs or between them, or a law in no catalogue, which is the
         misfit then.
@@ -89,6 +91,7 @@ class Remarks:
     """
 
     seen: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
     laws: tuple[str, ...] = ()
     law_beside: str = ""
@@ -114,6 +117,7 @@ class Remarks:
         law_beside = next(iter(_messages(found, beside)), "")
         return cls(
             seen=_seen(found),
+            assumed=_messages(found, (OPEN_INTERSAMPLE,)),
             changes=_messages(found, WHAT_IT_IS),
             laws=_messages(found, in_place),
             law_beside=law_beside.removeprefix(WHAT_IS_LEFT),

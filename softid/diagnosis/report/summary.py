@@ -111,7 +111,7 @@ def summarise(found: Diagnosis, remarks: Remarks) -> str:
             found.remainder,
         )
         told += _with_names(found, each, left, remarks)
-    told += map(sentence, remarks.marks)
+    told += map(sentence, (*remarks.assumed, *remarks.marks))
     told += [] if remarks.changes else map(sentence, remarks.refused)
     if found.verdict is Verdict.ADEQUATE and not found.next_experiment and not remarks.marks:
         told.append(teller.nothing_to_mend(found.remainder))

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from handmade_diagnosis import diagnosis
 from linear_motion import TRUTH
 from scipy import signal
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
+from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis_results import Verdict
+from softid.errors import Issue
 from softid.log import Log
 
 RATE_HZ = 25.0
@@ -48,3 +54,11 @@ def test_a_behaviour_that_is_known_is_not_asked(how: str) -> None:
         logs = [log.with_intersample("zoh") for log in logs]
     found = diagnose(logs[0], hold_out=logs[1:], model="oscillator", effects=["creep"])
     assert OPEN_INTERSAMPLE not in {issue.code for issue in found.issues}
+
+
+def test_what_is_assumed_is_told_behind_the_cause() -> None:
+    """A reader wants to know first what is missing, and what it hangs on then."""
+    message = "p held at every sample explains these logs as well, and makes N 2 in place of 3"
+    remark = Issue(OPEN_INTERSAMPLE, "warning", message, "say how it is held")
+    told = write_summary(replace(diagnosis(Verdict.NAMED), issues=(remark,))).summary
+    assert told.index("The cause: ") < told.index(message[1:])
