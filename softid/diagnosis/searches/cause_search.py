@@ -225,6 +225,9 @@ class CauseSearch:
         found
             What is known, with the chain from the best first cause.
         """
+        return self._memory.from_others(found, lambda: self._from_other_causes(found))
+
+    def _from_other_causes(self, found: SearchResult) -> SearchResult:
         known, unsure = found.chain, list[SearchResult]()
         best = known.links[0].added if known.links else None
         refused = None if known.links or known.last is None else known.last.added

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis_results import Remainder
 
 
 @dataclass(frozen=True, eq=False)
 class SearchMemory:
-    """Remainders of models and grown chains, which many beginnings of a search ask for.
+    """Remainders, grown chains and what other first causes lead to, which are asked for repeatedly.
 
     It lives as long as the one search that it belongs to, over one base with one seed, for all that
     is in it depends on these; a search over another base begins with an empty one. What is asked
@@ -21,6 +22,7 @@ class SearchMemory:
 
     _remainders: dict[Candidate, Remainder] = field(default_factory=dict)
     _grown: dict[tuple[Chain, int], Chain] = field(default_factory=dict)
+    _from_others: dict[Chain, SearchResult] = field(default_factory=dict)
 
     def remainder(self, model: Candidate, assessed: Callable[[], Remainder]) -> Remainder:
         """What a model leaves.
@@ -51,3 +53,23 @@ class SearchMemory:
         if (chain, max_links) not in self._grown:
             self._grown[chain, max_links] = selected()
         return self._grown[chain, max_links]
+
+    def from_others(
+        self, known: SearchResult, searched: Callable[[], SearchResult]
+    ) -> SearchResult:
+        """What other first causes than those of a known chain lead to.
+
+        Parameters
+        ----------
+        known
+            What is known.
+        searched
+            Looks for it, if that was not done yet; where nothing is sure it gives what is known,
+            with what was met on the way.
+        """
+        if known.chain not in self._from_others:
+            self._from_others[known.chain] = searched()
+        found = self._from_others[known.chain]
+        if found.chain is not known.chain:
+            return found
+        return replace(known, unsure=found.unsure) if found.unsure else known

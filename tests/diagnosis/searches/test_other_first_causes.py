@@ -19,8 +19,7 @@ from softid.diagnosis.searches.search_result import SearchResult
 def test_what_was_not_sure_on_the_way_is_told_with_the_result(
     sure: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Asked twice, the same twice: nothing is remembered in the search. Of several, that which
-    leaves least promises most."""
+    """Asked twice, the same twice. Of several, that which leaves least promises most."""
     tried = [chain_of("delay"), chain_of("creep"), chain_of("ageing")]
     monkeypatch.setattr(cause_search, "alternative_first_links", lambda *args, refused: tried)
     monkeypatch.setattr(cause_search, "that_promise_the_rest", lambda others, *args: others)
