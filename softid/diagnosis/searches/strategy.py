@@ -130,11 +130,13 @@ def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResul
 
 
 def _outdoing(found: SearchResult, search: CauseSearch) -> SearchResult:
-    """What was found, or what was met on the way that outdoes it in everything though it is unsure.
+    """What was found, or if that is unsure what was met on the way and outdoes it in everything.
 
-    It names as many causes at least, has no more unknowns, explains more, also in the sight of the
-    noise, and errs less on what is held out.
+    That names as many causes at least, has no more unknowns, explains more, also in the sight of
+    the noise, and errs less on what is held out.
     """
+    if found.is_sure:
+        return found
     held_out, sigma = search.base.held_out, search.base.sigma
     for other in sorted(found.unsure, key=lambda result: result.chain.final.squares):
         now, then = found.chain.final, other.chain.final

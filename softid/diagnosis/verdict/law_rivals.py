@@ -125,10 +125,10 @@ class _Told:
     final: Candidate
     scale: Scale
 
-    def value(self, name: str, otherwise: float = np.nan) -> float:
-        """A parameter of the cause; without it ``otherwise``, with which no comparison holds."""
-        names = {p.name: p.value for p in self.cause.parameters}
-        return names.get(f"{self.cause.effect}_{name}", otherwise)
+    def value(self, name: str) -> float:
+        """A parameter of the cause; without it NaN, with which no comparison holds."""
+        values = {p.name: p.value for p in self.cause.parameters}
+        return values.get(f"{self.cause.effect}_{name}", np.nan)
 
 
 def _gives_way_soon(told: _Told) -> bool:
