@@ -62,7 +62,7 @@ def dry_log(course: str, seed: int, *, friction: float = FRICTION_KPA) -> Log:
 @pytest.mark.parametrize(
     ("course", "seed"),
     [
-        pytest.param("steps", 1, marks=pytest.mark.slow),
+        ("steps", 1),
         ("ramps", 1),
         pytest.param("ramps", 2, marks=pytest.mark.slow),
         pytest.param("steps", 2, marks=pytest.mark.slow),

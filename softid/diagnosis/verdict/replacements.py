@@ -72,6 +72,9 @@ class Replacement:
         So does a law that takes away this share of what the cause does, or that predicts what is
         held out better, which no law of its kind would if the cause were there; None where the BIC
         alone counts.
+    least
+        Share of what the causes leave that a law must take away for its BIC to count: theirs may
+        not be followed to the last digit.
     """
 
     causes: tuple[str, ...]
@@ -79,6 +82,7 @@ class Replacement:
     behind: float = INDISTINCT
     beside: str = ""
     most: float | None = None
+    least: float = 0.0
 
     def takes(self, effect: Effect) -> bool:
         """Whether an effect is one of the causes."""
@@ -120,6 +124,11 @@ class Replacement:
         return has_other and any(self.takes(effect) for effect in named)
 
 
+OF_A_STOP = 0.03
+"""Share of what dry friction leaves that play must take away in its place: behind a step that ends
+in one move a valve with play does the same, and friction whose sign is rounded creeps a little
+while it should hold, by a few hundredths of the noise."""
+
 BESIDE_A_LOOP = (
     "softening",
     "dead_zone",
@@ -158,7 +167,12 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     ),
     Replacement(("sensor_clipping",), ((InputLimit(),),)),
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),
-    Replacement(("hysteresis", "coulomb_friction"), ((InputPlay(),), (OutputPlay(),)), behind=0.0),
+    Replacement(
+        ("hysteresis", "coulomb_friction"),
+        ((InputPlay(),), (OutputPlay(),)),
+        behind=0.0,
+        least=OF_A_STOP,
+    ),
     Replacement(("coulomb_friction",), ((OwnBranches(),),), behind=0.0),
     Replacement(
         ("coulomb_friction.pressure", "coulomb_friction.stribeck", *AT_REST),
@@ -251,7 +265,10 @@ def with_replacements(
     for (row, laws, _), other in zip(tries, others, strict=True):
         if other is None or _is_within_samples(row, laws, other, base.scale.period_s):
             continue
-        is_alike = all(_is_alike(other, final, row.behind, ranked) for ranked in rankings)
+        takes_enough = row.least == 0.0 or other.squares < (1.0 - row.least) * final.squares
+        is_alike = takes_enough and all(
+            _is_alike(other, final, row.behind, ranked) for ranked in rankings
+        )
         if is_alike or row.does_as_much(other, final, base):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
