@@ -28,6 +28,10 @@ RISE = 2.0
 MOST_RISES = 100
 """Times that it is raised at most: 30 orders of magnitude."""
 
+FURTHER = (4.0, 16.0, 64.0)
+"""Factors by which it is raised further where the input is noisy. A judgement: from a thousandth of
+a sampling interval to a few of them, beyond which the samples would show it."""
+
 
 @dataclass(frozen=True, eq=False)
 class DroppedTerm:
@@ -37,38 +41,50 @@ class DroppedTerm:
     ----------
     problem, optimum
         The fit, the term as large as it may be without being seen.
+    names
+        Its parameters.
     """
 
     problem: Problem
     optimum: Optimum
+    names: frozenset[str]
 
     def deviations(self, input_errors: InputErrors) -> dict[str, float]:
         """Unknown → its standard deviation beside the term, in internal coordinates.
 
         In a linear model it is the same however large the term is, so that it may be as large as it
-        goes unseen: where a search ends at 1e-9 the derivatives by the logarithm vanish.
+        goes unseen: where a search ends at 1e-9 the derivatives by the logarithm vanish. But what
+        noise of the input seems to tell of a term goes by its size, so the largest of several
+        counts then.
 
         Parameters
         ----------
         input_errors
             Those of the logs.
         """
-        problem, optimum = self.problem, self.optimum
-        covariance = errors_of(problem, optimum).covariance
-        if covariance is None:
-            return {}
-        covariance = with_input_errors(covariance, problem, optimum, input_errors)
+        found, is_noisy = self._deviations_at(self.optimum, input_errors)
+        for factor in FURTHER if is_noisy else ():
+            z = _with_term(self.problem, self.optimum.unknowns, self.names, factor)
+            found = larger_of(found, self._deviations_at(_at(self.optimum, z), input_errors)[0])
+        return found
+
+    def _deviations_at(
+        self, optimum: Optimum, input_errors: InputErrors
+    ) -> tuple[dict[str, float], bool]:
+        """The same with a term of one size, and whether noise of the input counts."""
+        told = errors_of(self.problem, optimum).covariance
+        if told is None:
+            return {}, False
+        covariance = with_input_errors(told, self.problem, optimum, input_errors)
         pairs = zip(covariance.names, covariance.sd, strict=True)
-        return {name: sd for name, sd in pairs if sd is not None and np.isfinite(sd)}
+        known = {name: sd for name, sd in pairs if sd is not None and np.isfinite(sd)}
+        return known, covariance is not told
 
 
 def dropped_term(
     problem: Problem, optimum: Optimum, names: Collection[str], is_seen: Callable[[Array], bool]
 ) -> DroppedTerm:
     """The fit before a term was left out, with that term as large as it may be unseen.
-
-    Where that is an inertia, logs that begin in motion begin with the same momentum: a velocity
-    that is lost at once would throw a heavier actuator out of this world.
 
     Parameters
     ----------
@@ -79,21 +95,38 @@ def dropped_term(
     is_seen
         Whether the samples would show it, from the parameters θ, shape (K,).
     """
-    free = problem.free
-    raised = np.array([n in names and problem.parameters[n].scale == "log" for n in free])
-    step, slower = np.zeros(optimum.unknowns.size), np.ones(optimum.unknowns.size)
-    step[: len(free)] = np.log(RISE) * raised
-    if problem.model.inertia_parameter in names:
-        slower[_velocities(problem)] = 1.0 / RISE
     z = optimum.unknowns
     for _ in range(MOST_RISES):
-        further = slower * z + step
-        if not step.any() or is_seen(problem.theta(further)):
+        further = _with_term(problem, z, names, RISE)
+        if np.array_equal(further, z) or is_seen(problem.theta(further)):
             break
         z = further
     at_bound = optimum.at_bound.copy()
-    at_bound[: len(free)] &= ~raised
-    return DroppedTerm(problem, replace(optimum, unknowns=z, at_bound=at_bound, linearised=None))
+    at_bound[: len(problem.free)] &= ~_raised(problem, names)
+    return DroppedTerm(problem, replace(_at(optimum, z), at_bound=at_bound), frozenset(names))
+
+
+def _at(optimum: Optimum, z: Array) -> Optimum:
+    return replace(optimum, unknowns=z, linearised=None)
+
+
+def _raised(problem: Problem, names: Collection[str]) -> npt.NDArray[np.bool_]:
+    """Which free parameters are those of a term, and have a logarithmic scale."""
+    parameters = problem.parameters
+    return np.array([n in names and parameters[n].scale == "log" for n in problem.free], bool)
+
+
+def _with_term(problem: Problem, z: Array, names: Collection[str], factor: float) -> Array:
+    """Unknowns with a term that is so many times as large.
+
+    Where that is an inertia, logs that begin in motion begin with the same momentum: a velocity
+    that is lost at once would throw a heavier actuator out of this world.
+    """
+    larger: Array = z.copy()
+    larger[: len(problem.free)] += np.log(factor) * _raised(problem, names)
+    if problem.model.inertia_parameter in names:
+        larger[_velocities(problem)] /= factor
+    return larger
 
 
 def _velocities(problem: Problem) -> list[int]:
