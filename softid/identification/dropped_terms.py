@@ -29,8 +29,8 @@ MOST_RISES = 100
 """Times that it is raised at most: 30 orders of magnitude."""
 
 FURTHER = (4.0, 16.0, 64.0)
-"""Factors by which it is raised further where the input is noisy. A judgement: from a thousandth of
-a sampling interval to a few of them, beyond which the samples would show it."""
+"""Factors by which it is raised further where the input is noisy. A judgement: an inertia that dies
+out within a tenth of a sampling interval then does so within a few of them."""
 
 
 @dataclass(frozen=True, eq=False)

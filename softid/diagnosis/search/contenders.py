@@ -75,8 +75,9 @@ def choose_contender(
 
     def margin(row: Ranked) -> float:
         """What a law must gain on a simpler one."""
-        is_quick = _differs_within(row, added(row)) < period_s
-        return max(NESTED, WITHIN_SAMPLE * (before.bic - row.bic) if is_quick else NESTED)
+        if _differs_within(row, added(row)) >= period_s:
+            return NESTED
+        return max(NESTED, WITHIN_SAMPLE * (before.bic - row.bic))
 
     if added(best).variant and plain is not None:
         is_richer = plain.bic - best.bic >= margin(best) and not _ends_plain(best, added(best))

@@ -127,7 +127,7 @@ class Replacement:
 OF_A_STOP = 0.03
 """Share of what dry friction leaves that play must take away in its place: behind a step that ends
 in one move a valve with play does the same, and friction whose sign is rounded creeps a little
-while it should hold, by a few hundredths of the noise."""
+while it should hold. A judgement, a few times what that makes of a friction that is there."""
 
 BESIDE_A_LOOP = (
     "softening",
