@@ -49,6 +49,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("answer",),
     ("best_answer",),
     ("completion",),
+    ("resumption",),
     ("workflow",),
     ("",),
 )

@@ -34,6 +34,7 @@ from softid_cli.options import (
 )
 from softid_cli.requests import Request, takes
 from softid_cli.results_folder import RESULTS, free_folder, require_place_for_results
+from softid_cli.unfinished import unfinished_file
 
 if TYPE_CHECKING:
     from softid.diagnosis_results import Diagnosis
@@ -96,7 +97,8 @@ def diagnose(request: DiagnoseRequest) -> None:
 
     Prints a paragraph and a table of causes. Writes diagnosis.json, params.json of the base model,
     extended_params.json of the model with the causes, and plots to softid-out/LOG-diagnosis, or to
-    DIR. Without --hold-out, blocks of the logs are held out.
+    DIR. Without --hold-out, blocks of the logs are held out. After an interruption the same command
+    goes on from where it was.
     """
     examine(request)
 
@@ -115,16 +117,17 @@ def examine(request: DiagnoseRequest) -> None:
     from softid.records.diagnosis import RECORD
 
     require_place_for_results(request.out, RECORD, force=request.force)
+    unfinished = unfinished_file(request)
     if request.effects:  # said before the work
         chosen_effects(request.effects, where="--effects")
     try:
-        found, plots = _found(request)
+        found, plots = _found(request, unfinished)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_how_to_go_on(request)) from None
+        raise KeyboardInterrupt(_how_to_go_on(request, unfinished)) from None
     _deliver(request, found, plots)
 
 
-def _how_to_go_on(request: DiagnoseRequest) -> str:
+def _how_to_go_on(request: DiagnoseRequest, unfinished: Path) -> str:
     """What an interrupted user may do, without what this run had already."""
     sooner = []
     if request.model is None and request.params is None:
@@ -133,11 +136,13 @@ def _how_to_go_on(request: DiagnoseRequest) -> str:
         sooner.append("--effects NAME[,NAME...]")
     elif len(request.effects) > 1:
         sooner.append("fewer --effects")
-    again = "nothing was written; run the same command again"
+    again = "no result was written; run the same command again"
+    if unfinished.exists():
+        again += f" and it goes on from here, as {unfinished} has what was found"
     return f"{again}, or be done sooner with {' or '.join(sooner)}" if sooner else again
 
 
-def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
+def _found(request: DiagnoseRequest, unfinished: Path) -> tuple[Diagnosis, dict[str, bytes]]:
     """The diagnosis and its plots."""
     model, parameters, saved = _base(request)
     logs = load_logs(
@@ -166,6 +171,7 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
             effects=request.effects,
             seed=request.seed,
             progress=report,
+            checkpoint=unfinished,
         )
         if request.no_plots:
             return found, {}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.other_explanations import OtherExplanations
 from softid.diagnosis.residual.motion import mean_square, residual_context
+from softid.diagnosis.resumption import resumable
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
@@ -56,9 +58,6 @@ if TYPE_CHECKING:
     import lmfit
 
 
-@matrices_on_one_thread()
-@cautiously()
-@in_step()
 def diagnose(
     logs: Log | Sequence[Log],
     *,
@@ -69,6 +68,7 @@ def diagnose(
     effects: Sequence[str] = (),
     seed: int = 0,
     progress: Progress | None = None,
+    checkpoint: str | Path | None = None,
 ) -> Diagnosis:
     """Name the physical cause of what a model gets wrong, and measure what mending it gains.
 
@@ -95,6 +95,11 @@ def diagnose(
         Seed of restarts, and of the shifts that say what chance would make.
     progress
         Called with a sentence and the fraction done.
+    checkpoint
+        A file that keeps what is found after the first 20 s. An interrupted diagnosis that is asked
+        for again, with the same file and arguments, goes on from there; a file of others is begun
+        anew. It is removed at the end, takes up to 4 GB, and is as trusted as a program, so it
+        belongs where only you may write. Windows keeps none.
 
     Returns
     -------
@@ -104,9 +109,10 @@ def diagnose(
     Raises
     ------
     InputError, UsageError, IdentificationError
-        As `softid.fit`; besides, an effect is unknown, the model is static, the logs have too few
-        samples to tell a cause from noise, their input does not move beyond its own, or what is
-        held out does not move or is given in another unit than it was recorded in.
+        As `softid.fit`; besides, an effect is unknown, ``checkpoint`` is another file, the model is
+        static, the logs have too few samples to tell a cause from noise, their input does not move
+        beyond its own, or what is held out does not move or is given in another unit than it was
+        recorded in.
 
     Examples
     --------
@@ -116,6 +122,36 @@ def diagnose(
     >>> found.verdict.value, [cause.effect for cause in found.causes]
     ('named', ['sensor_drift'])
     """
+    arguments: dict[str, Any] = {
+        "logs": logs,
+        "hold_out": hold_out,
+        "model": model,
+        "parameters": parameters,
+        "preferred": preferred,
+        "effects": effects,
+        "seed": seed,
+    }
+    with resumable(checkpoint, arguments) as goes_on:
+        if goes_on and progress is not None:
+            progress("going on from an interrupted run", 0.0)
+        return _diagnosed(**arguments, progress=progress)
+
+
+@matrices_on_one_thread()
+@cautiously()
+@in_step()
+def _diagnosed(
+    logs: Log | Sequence[Log],
+    *,
+    hold_out: Log | Sequence[Log],
+    model: Model | str | None,
+    parameters: ParameterSet | lmfit.Parameters | None,
+    preferred: Sequence[Model | str],
+    effects: Sequence[str],
+    seed: int,
+    progress: Progress | None,
+) -> Diagnosis:
+    """See `diagnose`."""
     report = _rising(progress)
     seed = require_whole(seed, least=0, where="seed")
     considered = effects_of(require_names(effects, where="effects"))

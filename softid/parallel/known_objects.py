@@ -42,9 +42,11 @@ class KnownObjects:
     ----------
     roots
         Where to begin.
+    all_numbers
+        Whether every number of a signal counts in the digest, and not only `FEW_NUMBERS`.
     """
 
-    def __init__(self, *roots: object) -> None:
+    def __init__(self, *roots: object, all_numbers: bool = False) -> None:
         self._objects: list[object] = []
         self._numbers: dict[int, int] = {}
         met: list[object] = []
@@ -59,9 +61,14 @@ class KnownObjects:
                 self._numbers[id(thing)] = len(self._objects)
                 self._objects.append(thing)
                 parts = tuple(_parts(thing))
-                met.append((_label(thing), len(parts)))
+                met.append((_label(thing, all_numbers=all_numbers), len(parts)))
                 waiting.extend(parts)
         self._digest = blake2b(repr(met).encode(), digest_size=DIGEST_BYTES).digest()
+
+    @property
+    def digest(self) -> bytes:
+        """The same in every copy, and in every run of the same program with the same data."""
+        return self._digest
 
     def packed(self, results: object) -> bytes:
         """The results as bytes, with what is known by its number."""
@@ -113,10 +120,10 @@ class _Unpickler(pickle.Unpickler):
         return self._objects[number]
 
 
-def _label(thing: object) -> object:
+def _label(thing: object, *, all_numbers: bool) -> object:
     """What is compared of something beside its parts."""
     if isinstance(thing, np.ndarray):
-        some = thing.flat[:: max(1, thing.size // FEW_NUMBERS)]
+        some = thing.flat[:: 1 if all_numbers else max(1, thing.size // FEW_NUMBERS)]
         return thing.dtype.str, thing.shape, b"" if thing.dtype.hasobject else some.tobytes()
     if isinstance(thing, FunctionType):
         return thing.__qualname__, thing.__code__.co_firstlineno

@@ -19,7 +19,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from softid.parallel.matrix_threads import matrices_on_one_thread
 from softid.parallel.team import MOST_TASKS, Team
@@ -33,6 +33,30 @@ MAX_WORKERS = 4
 not shared out is done by all."""
 
 
+class Keeper(Protocol):
+    """Has what an earlier run with the same data did, or keeps what this one does."""
+
+    def resumed(
+        self,
+        work: Callable[[Item], Result],
+        tasks: Sequence[Item],
+        do: Callable[[], list[Result]],
+        *,
+        is_copy: bool,
+    ) -> list[Result]:
+        """Results that were kept at this place, else what is done now.
+
+        Parameters
+        ----------
+        work, tasks
+            What is done with what; everything that results may refer to can be reached from them.
+        do
+            Does it.
+        is_copy
+            Whether this process is a copy that goes on in step, which should keep nothing.
+        """
+
+
 class _Here(threading.local):
     """Of the thread at hand.
 
@@ -42,10 +66,13 @@ class _Here(threading.local):
         Whether it works on a part already, so that it shares nothing out itself.
     team
         Copies that go on in step with it.
+    keeper
+        Keeps what is shared out and done.
     """
 
     has_part: bool = False
     team: Team | None = None
+    keeper: Keeper | None = None
 
 
 _here = _Here()
@@ -86,7 +113,14 @@ def in_parallel(
         return [work(task) for task in tasks]
     workers = min(workers or _usual_workers(), len(tasks))
     with matrices_on_one_thread():
-        return _shared_out(work, tasks, workers, small=small)
+        if _here.keeper is None:
+            return _shared_out(work, tasks, workers, small=small)
+        return _here.keeper.resumed(
+            work,
+            tasks,
+            lambda: _shared_out(work, tasks, workers, small=small),
+            is_copy=is_copy(),
+        )
 
 
 def both(first: Callable[[], Result], second: Callable[[], Other]) -> tuple[Result, Other]:
@@ -166,6 +200,19 @@ def in_step() -> Iterator[None]:
     finally:
         _here.team = None
         team.end()
+
+
+@contextlib.contextmanager
+def kept_in(keeper: Keeper) -> Iterator[None]:
+    """Have `in_parallel` ask a keeper, inside the ``with`` block, for all that it is to do.
+
+    What is done must follow from the memory alone, as in `in_step`, which stands inside of it.
+    """
+    before, _here.keeper = _here.keeper, keeper
+    try:
+        yield
+    finally:
+        _here.keeper = before
 
 
 def is_copy() -> bool:

@@ -46,8 +46,17 @@ def params(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def desk(monkeypatch: pytest.MonkeyPatch) -> Desk:
+def unfinished(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where interrupted runs are kept, in the place of the user's cache folder."""
+    folder = tmp_path_factory.mktemp("cache") / "unfinished"
+    monkeypatch.setattr("softid_cli.unfinished.unfinished_folder", lambda: folder)
+    return folder
+
+
+@pytest.fixture
+def desk(monkeypatch: pytest.MonkeyPatch, unfinished: Path) -> Desk:
     """Loading gives a hand-made log of the file's name; fitting gives a hand-made result."""
+    del unfinished
     desk = Desk({}, fit_result())
     fake = ModuleType("softid.identification")
     fake.fit = desk.fit  # type: ignore[attr-defined]

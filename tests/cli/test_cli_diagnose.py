@@ -270,6 +270,6 @@ def test_an_interruption_says_how_to_go_on(
     told = softid("diagnose", "a.csv", "--quiet", *given)
     assert told.code == 130
     (line,) = told.err.splitlines()
-    again = "softid: interrupted: nothing was written; run the same command again"
+    again = "softid: interrupted: no result was written; run the same command again"
     assert line.rstrip(".") == f"{again}{sooner}".rstrip(".")
     assert list(tmp_path.iterdir()) == []
