@@ -138,7 +138,7 @@ def _how_to_go_on(request: DiagnoseRequest, unfinished: Path) -> str:
         sooner.append("fewer --effects")
     again = "no result was written; run the same command again"
     if unfinished.exists():
-        again += f" and it goes on from here, as {unfinished} has what was found"
+        again += f" to go on from here ({unfinished} has what was found)"
     return f"{again}, or be done sooner with {' or '.join(sooner)}" if sooner else again
 
 

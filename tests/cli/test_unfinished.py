@@ -42,7 +42,7 @@ def test_the_same_command_finds_its_file(softid: Cli, kept: list[Path]) -> None:
     for more in ((), ("--out", "there"), ("--no-plots",), ("--seed", "1"), ("--model", "muscle")):
         told = softid(*given, *more)
         assert told.code == 130
-        assert "it goes on from here, as " + str(kept[-1]) in told.err
+        assert f"the same command again to go on from here ({kept[-1]} has" in told.err
     softid("diagnose", "b.csv", "--quiet")
     assert len(set(kept[:3])) == 1
     assert len(set(kept)) == 4
