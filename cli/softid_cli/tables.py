@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import shutil
 import sys
 import textwrap
@@ -32,6 +33,11 @@ _MOST_DIGITS = 9
 
 _DROWNED = 0.1
 """Share of its error below which a value would be rounded away to the error's digits."""
+
+_MOST_PLACES = 4
+"""Places of issues alike that are named on the terminal; the files have all of them."""
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 _OPTION_UNITS = {"_n_per_mm": "N/mm", "_kg_m3": "kg/m³", "_mm": "mm", "_pa": "Pa", "_m": "m"}
 """Ending of an option's name → its unit; the longest that fits comes first."""
@@ -91,13 +97,38 @@ def print_issues(issues: Sequence[Issue]) -> None:
 
 
 def issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
-    """Each issue folded to a width, and its remedy below."""
+    """Each issue folded to a width, below it of what else it is true, and its remedy.
+
+    What differs from another issue in the log and in numbers only is not said again.
+    """
+    alike: dict[object, list[Issue]] = {}
+    for issue in dict.fromkeys(issues):
+        alike.setdefault(_kind(issue), []).append(issue)
     lines = []
-    for issue in issues:
-        lines.append(folded(f"{issue.severity}: {issue.message}", width, indent="  "))
-        if issue.remedy:
-            lines.append(folded(f"  → {issue.remedy}", width))
+    for first, *others in alike.values():
+        lines.append(folded(f"{first.severity}: {first.message}", width, indent="  "))
+        if others:
+            lines.append(folded(f"  likewise {_places(others)}", width))
+        if first.remedy:
+            lines.append(folded(f"  → {first.remedy}", width))
     return lines
+
+
+def _kind(issue: Issue) -> object:
+    """The same for issues that differ in their place, which a message begins with, and numbers."""
+    place, colon, said = issue.message.partition(": ")
+    if issue.parameter is not None or not colon:
+        return issue
+    return issue.code, issue.severity, issue.remedy, _NUMBER.sub("#", said)
+
+
+def _places(issues: Sequence[Issue]) -> str:
+    """Where else; of many places the first ones."""
+    places = [issue.message.partition(": ")[0] for issue in issues]
+    more = len(places) - _MOST_PLACES
+    if more > 1:
+        places[_MOST_PLACES:] = [f"{more} more"]
+    return listed(dict.fromkeys(places))
 
 
 def print_rows(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:

@@ -13,7 +13,7 @@ from softid.errors import Issue
 from softid.models import Oscillator
 from softid.results import ModelSpec
 from softid_cli.main import COMMANDS
-from softid_cli.tables import model_text
+from softid_cli.tables import issue_lines, model_text
 
 Cli = Callable[..., Outcome]
 
@@ -136,3 +136,42 @@ def test_every_command_can_be_quiet(softid: Cli, command: str) -> None:
     """A script may say --quiet to all of them."""
     assert "--quiet" in softid(command, "--help").out
     assert softid("models", "muscle", "--quiet").code == 0
+
+
+def test_what_is_true_of_several_logs_is_said_once() -> None:
+    """Other numbers are no other remark; another remedy, sentence or parameter is."""
+    repeats = [
+        Issue("r", "info", f"log_{k}, column 2: repeats for about 1.{k} samples", "one rate")
+        for k in range(3)
+    ]
+    late = Issue("r", "info", "log_3, column 2: repeats for 2 samples, and is late", "one rate")
+    elsewhere = replace(repeats[0], remedy="another")
+    unknown = [
+        Issue("n", "warning", f"{name}: not known", "steps", parameter=name)
+        for name in ("a1", "a2")
+    ]
+    issues = [repeats[0], *unknown, repeats[1], late, repeats[2], elsewhere]
+    assert issue_lines(issues, 80) == [
+        "info: log_0, column 2: repeats for about 1.0 samples",
+        "  likewise log_1, column 2 and log_2, column 2",
+        "  → one rate",
+        "warning: a1: not known",
+        "  → steps",
+        "warning: a2: not known",
+        "  → steps",
+        "info: log_3, column 2: repeats for 2 samples, and is late",
+        "  → one rate",
+        "info: log_0, column 2: repeats for about 1.0 samples",
+        "  → another",
+    ]
+
+
+def test_many_logs_are_counted() -> None:
+    """Ten logs take two lines: the first four of the others by name, five by their number."""
+    issues = [Issue("r", "info", f"log_{k}: is short") for k in range(10)]
+    assert issue_lines(issues, 80) == [
+        "info: log_0: is short",
+        "  likewise log_1, log_2, log_3, log_4 and 5 more",
+    ]
+    assert issue_lines(issues[:6], 80)[1].endswith("log_3, log_4 and log_5")
+    assert issue_lines([Issue("s", "info", "all is still")] * 2, 80) == ["info: all is still"]
