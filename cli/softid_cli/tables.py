@@ -116,7 +116,7 @@ def issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
 
 def _kind(issue: Issue) -> object:
     """The same for issues that differ in their place, which a message begins with, and numbers."""
-    place, colon, said = issue.message.partition(": ")
+    _place, colon, said = issue.message.partition(": ")
     if issue.parameter is not None or not colon:
         return issue
     return issue.code, issue.severity, issue.remedy, _NUMBER.sub("#", said)

@@ -23,7 +23,7 @@ _SIGNATURES: tuple[tuple[bytes, str, str], ...] = (
     (b"PK\x03\x04", "a zip archive (NPZ or a spreadsheet)", ".npz, or export a spreadsheet to CSV"),
     (b"PAR1", "Parquet", ".parquet"),
     (b"MATLAB", "a MAT file", ".mat"),
-    (b"\x89HDF", "HDF5 (MAT 7.3)", "a CSV, or save it in MATLAB with -v7"),
+    (b"\x89HDF", "HDF5 (a MAT file of version 7.3)", ".mat"),
 )
 
 

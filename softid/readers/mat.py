@@ -1,8 +1,9 @@
 """MATLAB files of version 5, as ``save`` writes them with ``-v6`` and ``-v7``.
 
-They are parsed here and not by `scipy.io.loadmat`, because a damaged file makes its compiled code
-crash the whole process. The format is a sequence of tagged elements (MathWorks, *MAT-File Format*,
-chapter 1): an 8-byte tag with type and length, then the data, padded to 8 bytes.
+Those of version 7.3 are HDF5 (`mat_hdf5`). The others are parsed here and not by
+`scipy.io.loadmat`, because a damaged file makes its compiled code crash the whole process. The
+format is a sequence of tagged elements (MathWorks, *MAT-File Format*, chapter 1): an 8-byte tag
+with type and length, then the data, padded to 8 bytes.
 """
 
 from __future__ import annotations
@@ -22,9 +23,9 @@ from softid.errors import InputError
 from softid.readers import files
 from softid.readers.arrays import table_of_arrays, unique_names
 from softid.readers.base import Table
+from softid.readers.mat_hdf5 import hdf5_arrays, is_hdf5
 
 _HEADER_BYTES = 128
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _NUMBER_TYPES = {
     1: "i1",
     2: "u1",
@@ -65,21 +66,20 @@ def read_mat(path: Path) -> Table:
     Parameters
     ----------
     path
-        File saved by MATLAB with ``-v7`` or ``-v6``, or by `scipy.io.savemat`.
+        File saved by MATLAB, or by `scipy.io.savemat`.
 
     Raises
     ------
+    MissingExtraError
+        It is of version 7.3, and h5py is not installed.
     InputError
-        The file is of another version, is damaged, is too large or holds no channels.
+        It is damaged, is too large or holds no channels.
     """
     content = files.read_content(path)
     data = content.data
-    if data.startswith(b"MATLAB 7.3") or _HDF5_SIGNATURE in data[:2048]:
-        raise InputError(
-            "MAT files of version 7.3 are HDF5, which softid does not read",
-            where=str(path),
-            remedy="save it in MATLAB with save(name, '-v7'), or as CSV",
-        )
+    if is_hdf5(data):
+        named = unique_names(iter(hdf5_arrays(path, data)))
+        return table_of_arrays(named, path=str(path), sha256=content.sha256, file_format="mat")
     order = {b"IM": "<", b"MI": ">"}.get(data[_HEADER_BYTES - 2 : _HEADER_BYTES])
     try:
         if order is None:

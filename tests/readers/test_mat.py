@@ -102,13 +102,6 @@ def test_equal_field_names_carry_their_structs_name(write_log: WriteFile) -> Non
     assert set(read_mat(write_log(data, "log.mat")).head.names) == {"a.p", "b.p", "q"}
 
 
-def test_version_7_3_is_refused_with_the_reason(write_log: WriteFile) -> None:
-    header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + b"\x89HDF\r\n\x1a\n"
-    with pytest.raises(InputError, match="are HDF5") as caught:
-        load(write_log(header, "log.mat"))
-    assert "-v7" in str(caught.value.remedy)
-
-
 def test_nothing_to_line_up(write_log: WriteFile) -> None:
     with pytest.raises(InputError, match="no two channels of equal length"):
         load(write_log(saved({"t": np.arange(3.0), "p": np.arange(4.0)}), "log.mat"))
