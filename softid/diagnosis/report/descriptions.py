@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnosis.report.phrases import doubt_about
+from softid.diagnosis.report.phrases import doubts_about
 from softid.diagnosis_results import Cause, Doubt
 from softid.sentences import listed, lowered
 
@@ -36,9 +36,8 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     )
     if occur and small and less:
         return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
-    reasons = filter(None, map(doubt_about, descriptive))
     told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
-    return " ".join((f"{told} for a name.", *reasons))
+    return " ".join((f"{told} for a name.", *doubts_about(descriptive)))
 
 
 def outdone(descriptive: Sequence[Cause]) -> str:

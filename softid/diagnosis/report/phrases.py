@@ -197,6 +197,21 @@ def given_up(dropped: Sequence[str]) -> str:
     )
 
 
+def doubts_about(causes: Sequence[Cause]) -> list[str]:
+    """Why descriptions are no causes, in sentences; what is true of all of them is said once.
+
+    Parameters
+    ----------
+    causes
+        The descriptions.
+    """
+    reasons = {DOUBTS.get(cause.doubt) if cause.doubt is not None else None for cause in causes}
+    (reason, *others) = reasons or {None}
+    if len(causes) > 1 and not others and reason is not None:
+        return [sentence(f"each of them {reason}")]
+    return [told for told in map(doubt_about, causes) if told]
+
+
 def doubt_about(cause: Cause) -> str:
     """Why a description is no cause, in a sentence; none where that lies in what it leaves.
 

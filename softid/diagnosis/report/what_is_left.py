@@ -9,7 +9,7 @@ from softid.diagnosis.report.ambiguity import WORTH_DOUBTS, are_alike
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.phrases import (
     VARIABLE_WORDS,
-    doubt_about,
+    doubts_about,
     percent,
     percent_below,
     taken_by,
@@ -125,7 +125,7 @@ class WhatIsLeft:
             best = alone if len(tried) == 1 else f"The best descriptions, {names}, together take"
             told.append(f"{best} away {taken_by(remainder)}.")
             if remainder.explained_share >= WORTH_DOUBTS:
-                told += map(doubt_about, tried)
+                told += doubts_about(tried)
                 told += map(_not_told_apart, self.alternatives)
         if laws:
             return told

@@ -11,6 +11,7 @@ from handmade_diagnosis import cause, diagnosis, estimate, remainder
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.phrases import (
     doubt_about,
+    doubts_about,
     percent_below,
     percent_range,
     taken_by,
@@ -168,6 +169,19 @@ def test_every_doubt_about_a_description_is_told(doubt: Doubt) -> None:
     assert "rift of the sensor" in why
     assert why.endswith(".")
     assert doubt_about(cause("sensor_drift", [], before=2.0, after=1.0)) == ""
+
+
+def test_a_doubt_about_all_descriptions_is_told_once() -> None:
+    """Two reasons are two sentences; one description is called by its name."""
+    rate = estimate("sensor_drift_rate", 0.01, "rad/s")
+    slow = replace(cause("sensor_drift", [rate], before=2.0, after=1.9), doubt=Doubt.TOO_SLOW)
+    other = replace(slow, doubt=Doubt.MAY_BE_ZERO)
+    both = "Each of them may be slower than these logs can tell."
+    assert doubts_about([slow, slow]) == [both]
+    assert doubts_about([slow]) == [doubt_about(slow)]
+    assert doubts_about([slow, other]) == [doubt_about(slow), doubt_about(other)]
+    assert doubts_about([replace(slow, doubt=None)] * 2) == []
+    assert doubts_about([]) == []
 
 
 @pytest.mark.parametrize(("spread", "size"), [(0.004, "a little"), (0.2, "by about 20 %")])
