@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -115,6 +115,11 @@ class Table(ABC):
     def unclear_date(self, index: int) -> InputError | None:
         """What to say of a column of dates in a notation of which there are several readings."""
         del index
+        return None
+
+    def rows_with(self, names: Collection[str]) -> npt.NDArray[np.bool_] | None:
+        """Which rows have a cell for one of these columns; None where all rows have all cells."""
+        del names
         return None
 
     @property

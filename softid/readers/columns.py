@@ -62,6 +62,7 @@ _SOMETHING_ELSE = frozenset(
         "std",
         "noise",
         "var",
+        "variance",
         "volt",
         "voltage",
         "adc",
@@ -82,6 +83,7 @@ _SOMETHING_ELSE = frozenset(
         "temp",
         "temperature",
         "delay",
+        "effort",
     ]
 )
 _INDEX_NAMES = frozenset(

@@ -23,6 +23,9 @@ _SIGNATURES: tuple[tuple[bytes, str, str], ...] = (
     (b"PK\x03\x04", "a zip archive (NPZ or a spreadsheet)", ".npz, or export a spreadsheet to CSV"),
     (b"PAR1", "Parquet", ".parquet"),
     (b"MATLAB", "a MAT file", ".mat"),
+    (b"#ROSBAG V", "a ROS 1 bag", ".bag"),
+    (b"SQLite format 3\x00", "an SQLite file, as ROS 2 bags are", ".db3"),
+    (b"\x89MCAP", "MCAP", ".mcap"),
     (b"\x89HDF", "HDF5 (a MAT file of version 7.3)", ".mat"),
 )
 

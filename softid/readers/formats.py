@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from softid.errors import InputError
+from softid.readers.bag import read_bag
 from softid.readers.base import Reader
 from softid.readers.csv import read_csv
 from softid.readers.mat import read_mat
@@ -20,6 +21,7 @@ READERS: Mapping[str, Reader] = {
     ".mat": read_mat,
     ".npz": read_npz,
     ".parquet": read_parquet,
+    **dict.fromkeys((".bag", ".db3", ".mcap"), read_bag),
 }
 """Ending of the file's name → reader."""
 

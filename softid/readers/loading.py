@@ -12,6 +12,7 @@ from softid.readers.assignment import find_channels
 from softid.readers.cleaning import clean
 from softid.readers.files import require_file
 from softid.readers.formats import READERS, split_suffix
+from softid.readers.merging import with_rows_of
 from softid.readers.roles import choose_roles, fallback_issues
 from softid.readers.samples import Samples
 from softid.readers.sidecar import Sidecar, find_sidecar, read_sidecar
@@ -36,7 +37,8 @@ def load(
     Parameters
     ----------
     path
-        CSV or text (also gzip-compressed), MAT, NPZ or Parquet.
+        CSV or text (also gzip-compressed), MAT, NPZ, Parquet, or a ROS bag (``.bag``, ``.db3`` or
+        ``.mcap``).
     channels
         Channel name → ``"COLUMN[:UNIT]"``, a column being a name or a number from 1 and a unit
         possibly with the value of one count before it: ``{"force": "vir:35.15*N"}``. Where a
@@ -108,6 +110,7 @@ def load(
     asked = [*(channels or {}), *said.channels]
     fallback = () if wanted_outputs else fallback_issues(found, asked, driving, explained)
     raw = Samples(where, table.row_word, table.rows, found.times.seconds, found.channels)
+    raw = with_rows_of(raw, table, (driving, *explained))
     samples = clean(raw, input=driving, outputs=explained)
     return Log(
         name=stem,

@@ -11,7 +11,7 @@ import numpy as np
 from softid.errors import Issue
 from softid.intersample import course_at
 from softid.log import stall_of
-from softid.readers.base import Array, IntArray
+from softid.readers.base import Array, IntArray, Table, first_names
 from softid.readers.samples import Samples
 from softid.sentences import listed
 
@@ -24,6 +24,43 @@ rows in which the input was lost."""
 
 LEAST_ROWS = 10
 """Fewest rows of the other recorder that are a record."""
+
+
+def with_rows_of(samples: Samples, table: Table, roles: Sequence[str]) -> Samples:
+    """The samples without rows in which the file has no cell for any role.
+
+    Such a row was not lost: it is a message of a topic that no role needs.
+
+    Parameters
+    ----------
+    samples
+        All rows of the table.
+    table
+        The file's table.
+    roles
+        Input and outputs. Other channels without a number in the rows that are left go with them.
+    """
+    kept = table.rows_with([samples.channels[name].column or name for name in roles])
+    if kept is None or kept.all():
+        return samples
+    inside = samples.keeping(kept)
+    empty = [
+        name
+        for name, channel in inside.channels.items()
+        if name not in roles and not np.isfinite(channel.values).any()
+    ]
+    if not empty:
+        return inside
+    columns = [samples.channels[name].column or name for name in empty]
+    issue = Issue(
+        "column-left-out",
+        "info",
+        f"{samples.where}: left out {first_names(columns)}, without a number at the times of "
+        f"{listed(roles)}",
+        "make one of them the input or an output if it is meant",
+    )
+    channels = {name: c for name, c in inside.channels.items() if name not in empty}
+    return replace(inside, channels=channels, issues=(*inside.issues, issue))
 
 
 def with_rows_joined(samples: Samples, roles: Sequence[str]) -> Samples:

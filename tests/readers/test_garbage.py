@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import tempfile
 import warnings
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import pytest
 import scipy.io
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from rosbag_files import KINDS, Types, write_bag
 
 from softid.errors import SoftidError
 from softid.log import Log
@@ -104,7 +106,19 @@ def sound_binaries() -> dict[str, bytes]:
     }
 
 
-BINARIES = sound_binaries()
+def sound_bags() -> dict[str, bytes]:
+    found = {}
+    for suffix in KINDS:
+        types = Types(suffix)
+        topics = ("/pressure_kpa", "/angle_rad")
+        messages = [(topic, 0.1 * k, types.number(k)) for k in range(9) for topic in topics]
+        with tempfile.TemporaryDirectory() as folder:
+            path = write_bag(Path(folder, "run"), suffix, messages)
+            found[suffix] = path.read_bytes()
+    return found
+
+
+BINARIES = sound_binaries() | sound_bags()
 
 
 @pytest.mark.parametrize("suffix", sorted(BINARIES))
