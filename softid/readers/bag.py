@@ -161,7 +161,8 @@ class _Content:
                 self.undecoded[connection.topic] = self.records.pop(connection.topic)
             held += (len(record.columns) + 2) * _BYTES_PER_NUMBER
             if held > files.SIZE_LIMIT_BYTES:
-                raise files.too_large(self.path, "messages with more numbers")
+                limit = files.SIZE_LIMIT_BYTES / files.MEGABYTE
+                raise files.too_large(self.path, f"over {limit:.0f} MB of numbers")
         self.records = {t: r for t, r in self.records.items() if len(r.received_ns)}
 
     def _is_wanted(self, connection: Any) -> bool:
@@ -262,8 +263,7 @@ def _require_signature(path: Path) -> None:
             value=path.suffix,
             remedy=f"rename the file to {path.suffix.lower()}",
         )
-    with path.open("rb") as stream:
-        first = stream.read(max(map(len, _SIGNATURES.values())))
+    first = files.first_bytes(path, max(map(len, _SIGNATURES.values())))
     if first.startswith(_SIGNATURES[path.suffix]):
         return
     other = [ending for ending, signature in _SIGNATURES.items() if first.startswith(signature)]

@@ -105,6 +105,21 @@ def read_content(path: Path, *, compressed: bool | None = False) -> Content:
     return Content(_decompressed(path, data) if compressed else data, sha256)
 
 
+def first_bytes(path: Path, count: int) -> bytes:
+    """The beginning of a file, by which formats are told.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read.
+    """
+    try:
+        with path.open("rb") as stream:
+            return stream.read(count)
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
 def file_fingerprint(path: Path) -> str:
     """The sha256 of a file that is too large to hold, read piece by piece.
 

@@ -6,13 +6,14 @@ import shutil
 import sqlite3
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from softid.errors import InputError, MissingExtraError
 from softid.readers import files, load
-from softid.readers.bag import read_bag
+from softid.readers.bag import BagTable, read_bag
 
 pytest.importorskip("rosbags", reason="rosbags is in the test extra")
 from rosbag_files import KINDS, Types, column, numbers, told, write_bag
@@ -79,17 +80,28 @@ def test_rows_of_topics_that_no_role_needs_are_no_lost_samples(tmp_path: Path) -
 def test_of_a_large_bag_only_the_needed_columns_are_spread(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Two rows of four columns are 64 bytes. Of each of six messages three numbers are held."""
+    """Six columns of 4 rows are 192 bytes. Held are 4 · 3 and 2 · 5 numbers, two of them times.
+
+    The limit lies between, then a byte below what is held.
+    """
     types = Types(".mcap")
     messages = numbers(types, "/pressure_kpa", {0.0: 1.0, 1.0: 2.0})
     messages += numbers(types, "/angle_rad", {0.0: 0.1, 1.0: 0.2})
-    messages += numbers(types, "/air", {0.0: 1.0, 1.0: 2.0})
+    messages += [("/wind", second, types.vector(1.0, 2.0, 3.0)) for second in (0.4, 0.6)]
     path = write_bag(tmp_path / "run", ".mcap", messages)
-    assert set(load(path).channels) == {"pressure", "angle", "/air"}
-    monkeypatch.setattr(files, "SIZE_LIMIT_BYTES", 6 * 3 * 8)
-    assert read_bag(path).only_on_request is False
-    monkeypatch.setattr(files, "SIZE_LIMIT_BYTES", 6 * 3 * 8 - 1)
-    with pytest.raises(InputError, match="more than the 0 MB"):
+    spread: list[int] = []
+    spread_out = BagTable.numbers
+
+    def watched(self: BagTable, index: int) -> Any:
+        spread.append(index)
+        return spread_out(self, index)
+
+    monkeypatch.setattr(BagTable, "numbers", watched)
+    monkeypatch.setattr(files, "SIZE_LIMIT_BYTES", 8 * (4 * 3 + 2 * 5))
+    assert set(load(path).channels) == {"pressure", "angle"}
+    assert sorted(spread) == [0, 1, 2]
+    monkeypatch.setattr(files, "SIZE_LIMIT_BYTES", 8 * (4 * 3 + 2 * 5) - 1)
+    with pytest.raises(InputError, match="over 0 MB of numbers, more than"):
         load(path)
 
 
@@ -190,3 +202,14 @@ def test_without_rosbags_the_extra_is_named(
     with pytest.raises(MissingExtraError, match=r"pip install softid\[ros\]") as caught:
         load(path)
     assert caught.value.exit_code == 2
+
+
+def test_a_bag_that_may_not_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_bag(tmp_path / "run", ".bag", numbers(Types(".bag"), "/a", {0.0: 1.0}))
+
+    def fail(self: Path, *_: object) -> None:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "open", fail)
+    with pytest.raises(InputError, match="there is no permission to read it"):
+        load(path)
