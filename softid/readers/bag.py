@@ -201,7 +201,7 @@ def _table(path: Path, parts: Sequence[Path], content: _Content) -> BagTable:
     if rows.seconds.size * _BYTES_PER_NUMBER > files.SIZE_LIMIT_BYTES:
         raise files.too_large(path, f"{rows.seconds.size} messages")
     names, units, columns = _columns(records, rows)
-    left_out = [*content.left_out, *content.undecoded]
+    left_out = [*content.left_out, *(f"{t} (not decoded)" for t in content.undecoded)]
     for record in records:
         left_out += [f"{name} ({why})" for name, why in record.odd.items()]
     if len(parts) > 1:
@@ -323,9 +323,11 @@ def _unaligned(
         for number in record.layout.fields:
             name = number.column(record.topic)
             found[name] = InputError(
-                f"a message of {record.topic} cannot be decoded as {record.kind}",
+                f"message {len(record.received_ns) + 1} of {record.topic} cannot be decoded as "
+                f"{record.kind}",
                 where=str(path),
-                remedy="record it with the definitions of its messages in the bag",
+                remedy="copy the bag again if it is damaged, else record it with the definitions "
+                "of its messages",
             )
     return found
 

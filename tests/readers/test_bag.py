@@ -16,7 +16,7 @@ from softid.readers import files, load
 from softid.readers.bag import BagTable, read_bag
 
 pytest.importorskip("rosbags", reason="rosbags is in the test extra")
-from rosbag_files import KINDS, Types, column, numbers, told, write_bag
+from rosbag_files import KINDS, START_NS, Types, column, numbers, told, write_bag
 
 SUFFIXES = sorted(KINDS)
 
@@ -213,3 +213,20 @@ def test_a_bag_that_may_not_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(Path, "open", fail)
     with pytest.raises(InputError, match="there is no permission to read it"):
         load(path)
+
+
+def test_a_message_that_cannot_be_decoded_costs_its_topic(tmp_path: Path) -> None:
+    """The second of three messages of a topic is cut short; without it, the rest is a log."""
+    types = Types(".db3")
+    messages = numbers(types, "/pressure_kpa", {0.0: 1.0, 1.0: 2.0})
+    messages += numbers(types, "/angle_rad", {0.0: 0.1, 0.5: 0.2, 1.0: 0.3})
+    messages += numbers(types, "/tip_position_mm", {0.0: 1.0, 1.0: 2.0})
+    path = write_bag(tmp_path / "run", ".db3", messages)
+    with sqlite3.connect(path) as database:
+        cut = "UPDATE messages SET data = substr(data, 1, 6) WHERE timestamp = ?"
+        database.execute(cut, (START_NS + 5 * 10**8,))
+    with pytest.raises(InputError, match="message 2 of /angle_rad cannot be decoded as std_msgs"):
+        load(path)
+    log = load(path, outputs=["position"])
+    assert log.channels["position"].values.tolist() == [1.0, 2.0]
+    assert {i.code for i in log.issues} == {"column-left-out", "channel-not-settled"}
