@@ -12,7 +12,6 @@ from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
 from softid.quality.sampling import Gap, Sampling
 from softid.quality.second_inputs import second_input_issues
-from softid.quality.two_recorders import beside_two_recorders
 from softid.quality.wording import NAMED, first_names
 from softid.units import CHANNEL_QUANTITY
 
@@ -66,8 +65,9 @@ def list_issues(
     from_reader
         Issues that the log already carries; kept but for missing samples, which are told here.
     """
-    found = [issue for issue in from_reader if issue.code not in TOLD_HERE]
-    found += [*(at_rest := list(_of_input(channels, excitation))), *_of_sampling(sampling)]
+    at_rest = list(_of_input(channels, excitation))
+    read = [issue for issue in from_reader if issue.code not in TOLD_HERE]
+    found = [*read, *at_rest, *_of_sampling(sampling)]
     if not at_rest:
         driving = next(c.name for c in channels if c.role == "input")
         found += second_input_issues(second_inputs, driving)
@@ -82,7 +82,7 @@ def list_issues(
             found.append(_of_dead_neighbour(channel))
     by_name = {channel.name: channel for channel in channels}
     found += [_of_sign(check, by_name[check.output]) for check in signs if check.inverted]
-    return beside_two_recorders(sorted(found, key=lambda issue: SEVERITY_ORDER[issue.severity]))
+    return tuple(sorted(found, key=lambda issue: SEVERITY_ORDER[issue.severity]))
 
 
 def _of_input(channels: Sequence[ChannelReport], excitation: Sequence[Stretch]) -> Iterator[Issue]:
