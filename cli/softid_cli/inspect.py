@@ -105,7 +105,7 @@ def render(inspection: Inspection, *, width: int = WIDTH) -> str:
 
 
 def _sampling_text(inspection: Inspection) -> str:
-    from softid.quality.issues import seconds
+    from softid.quality.wording import seconds
 
     s = inspection.sampling
     text = f"{s.n} samples in {s.duration_s:.2f} s, every {seconds(s.period_s)} ({_rate(s.rate_hz)}"

@@ -36,7 +36,6 @@ from softid.quality.sampling import describe_sampling
 from softid.quality.second_inputs import independent_inputs, other_inputs, second_input_issues
 from softid.quality.stuck import find_frozen, find_saturation, may_be_stuck
 from softid.quality.trace import Runs, Trace
-from softid.quality.two_recorders import beside_two_recorders
 from softid.quality.wrapped_angles import wrapped_angles
 
 Array = npt.NDArray[np.float64]
@@ -132,17 +131,15 @@ def inspect(log: Log) -> Inspection:
         holds=holds[judged],
         responses=found,
         abilities=judge_abilities(evidence),
-        issues=beside_two_recorders(
-            list_issues(
-                sampling,
-                channels,
-                () if is_vacuum(log) else signs,  # its own sign is the one to turn
-                stretches,
-                holds=holds,
-                other_inputs=other_inputs(log, judged),
-                second_inputs=independent_inputs(log),
-                from_reader=(*log.issues, *_misread(log)),
-            )
+        issues=list_issues(
+            sampling,
+            channels,
+            () if is_vacuum(log) else signs,  # its own sign is the one to turn
+            stretches,
+            holds=holds,
+            other_inputs=other_inputs(log, judged),
+            second_inputs=independent_inputs(log),
+            from_reader=(*log.issues, *_misread(log)),
         ),
     )
 

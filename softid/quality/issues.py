@@ -10,18 +10,14 @@ from softid.errors import Issue, Severity
 from softid.excitation import Stretch
 from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
-from softid.quality.sampling import Gap, Sampling
+from softid.quality.sampling import Sampling
+from softid.quality.sampling_issues import sampling_issues
 from softid.quality.second_inputs import second_input_issues
-from softid.quality.wording import NAMED, first_names
+from softid.quality.two_recorders import beside_two_recorders
+from softid.quality.wording import NAMED, count, first_names
 from softid.units import CHANNEL_QUANTITY
 
 SEVERITY_ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
-
-MUCH_JITTER = 0.2
-"""Robust spread of the sampling interval, over its median, that is worth a remark."""
-
-MANY_CLOSE = 0.02
-"""Share of samples within a fifth of the interval that is more than a hiccup of the logger."""
 
 FEW_BITS = 6.0
 """Bits below which a grid is told: 64 levels, whose rounding is 0.5 % of the range rms."""
@@ -35,7 +31,11 @@ LITTLE_SIGNAL = 20.0
 INTERMITTENT = 3
 """Distinct stuck values from which on the noise itself is said to come and go."""
 
-STALE_REMEDY, TOLD_HERE = "leave the stretch out if the value is stale", ("missing-output",)
+STALE_REMEDY = "leave the stretch out if the value is stale"
+
+TOLD_HERE = ("missing-output",)
+"""What a log carries and is told here with more."""
+
 WATCHED: tuple[Role, ...] = ("input", "output", "command")
 
 
@@ -67,7 +67,7 @@ def list_issues(
     """
     at_rest = list(_of_input(channels, excitation))
     read = [issue for issue in from_reader if issue.code not in TOLD_HERE]
-    found = [*read, *at_rest, *_of_sampling(sampling)]
+    found = [*read, *at_rest, *sampling_issues(sampling)]
     if not at_rest:
         driving = next(c.name for c in channels if c.role == "input")
         found += second_input_issues(second_inputs, driving)
@@ -82,7 +82,7 @@ def list_issues(
             found.append(_of_dead_neighbour(channel))
     by_name = {channel.name: channel for channel in channels}
     found += [_of_sign(check, by_name[check.output]) for check in signs if check.inverted]
-    return tuple(sorted(found, key=lambda issue: SEVERITY_ORDER[issue.severity]))
+    return beside_two_recorders(sorted(found, key=lambda issue: SEVERITY_ORDER[issue.severity]))
 
 
 def _of_input(channels: Sequence[ChannelReport], excitation: Sequence[Stretch]) -> Iterator[Issue]:
@@ -94,47 +94,6 @@ def _of_input(channels: Sequence[ChannelReport], excitation: Sequence[Stretch]) 
             f"{name} does not move beyond its noise, so this log shows noise and drift only",
             "add a log in which it moves, or choose another --input",
         )
-
-
-def _of_sampling(sampling: Sampling) -> Iterator[Issue]:
-    if sampling.stalls:
-        yield Issue(
-            "stalls",
-            "warning",
-            f"{_count(sampling.stalls, 'stall')} longer than {sampling.stall_limit_s:.3g} s "
-            f"({_places(sampling.stalls)}) split the log into {sampling.segments} segments"
-            + _left_alone(sampling),
-            "each segment gets its own initial state; find out what blocks the logger",
-        )
-    if sampling.gaps:
-        yield Issue(
-            "gaps",
-            "info",
-            f"{_count(sampling.gaps, 'gap')} longer than {1e3 * sampling.gap_limit_s:.3g} ms "
-            f"({_places(sampling.gaps)})",
-            None,
-        )
-    if sampling.jitter > MUCH_JITTER:
-        yield Issue(
-            "irregular-sampling",
-            "info",
-            f"the sampling interval varies by {100 * sampling.jitter:.0f} % about "
-            f"{seconds(sampling.period_s)}",
-            "nothing to do: the log's own times are used",
-        )
-    if sampling.close_share > MANY_CLOSE:
-        yield Issue(
-            "close-samples",
-            "info",
-            f"{100 * sampling.close_share:.0f} % of the samples follow the one before within a "
-            "fifth of the usual interval",
-            "check whether two messages are logged as two samples",
-        )
-
-
-def _left_alone(sampling: Sampling) -> str:
-    alone = len(sampling.stalls) + 1 - sampling.segments
-    return f" ({_count(range(alone), 'single sample')} between stalls left out)" if alone else ""
 
 
 def _of_channel(channel: ChannelReport) -> Iterator[Issue]:
@@ -167,8 +126,8 @@ def _of_dropouts(channel: ChannelReport) -> Iterator[Issue]:
         yield Issue(
             "missing-samples",
             "warning",
-            f"{channel.name} is missing in {_count(range(channel.missing), 'sample')} at "
-            f"{_count(missing, 'place')}: {_drops(channel, missing)}",
+            f"{channel.name} is missing in {count(range(channel.missing), 'sample')} at "
+            f"{count(missing, 'place')}: {_drops(channel, missing)}",
             "nothing: these samples are left out of the residuals",
         )
     wrong = [d for d in channel.dropouts if d.cause != "missing"]
@@ -179,7 +138,7 @@ def _of_dropouts(channel: ChannelReport) -> Iterator[Issue]:
             "command-flicker",
             "info",
             f"{channel.name} flickers for a few samples at "
-            f"{_count(wrong, 'place')}: {_drops(channel, wrong)}",
+            f"{count(wrong, 'place')}: {_drops(channel, wrong)}",
             "fit with the measured pressure as input",
         )
         return
@@ -191,7 +150,7 @@ def _of_dropouts(channel: ChannelReport) -> Iterator[Issue]:
     yield Issue(
         "drop-outs",
         "warning",
-        f"{channel.name} drops out at {_count(wrong, 'place')} ({kinds}): {_drops(channel, wrong)}",
+        f"{channel.name} drops out at {count(wrong, 'place')} ({kinds}): {_drops(channel, wrong)}",
         remedy,
     )
 
@@ -244,7 +203,7 @@ def _of_other_inputs(names: Sequence[str]) -> Iterator[Issue]:
         yield Issue(
             "other-inputs",
             "info",
-            f"{_count(names, 'other channel')} of the input's unit, {first_names(names)}, "
+            f"{count(names, 'other channel')} of the input's unit, {first_names(names)}, "
             f"move{'s' if len(names) == 1 else ''} at least a quarter as far as the input",
             "if they drive the actuator too, fit only logs in which they move alike",
         )
@@ -376,25 +335,3 @@ def _shown(channel: ChannelReport, value: float | None) -> str:
         return "no value"
     unit = "" if channel.display_unit == "1" else f" {channel.display_unit}"
     return f"{value * channel.display_factor:.4g}{unit}"
-
-
-def seconds(time_s: float) -> str:
-    """A time in the unit that suits it.
-
-    Examples
-    --------
-    >>> seconds(0.0119), seconds(20.0), seconds(1e-4)
-    ('11.9 ms', '20 s', '0.1 ms')
-    """
-    if time_s < 1.0:
-        return f"{1e3 * time_s:.4g} ms"
-    return f"{time_s:.4g} s" if time_s < 1e4 else f"{time_s:.0f} s"
-
-
-def _count(things: Sequence[object], noun: str) -> str:
-    return f"{len(things)} {noun}" + ("" if len(things) == 1 else "s")
-
-
-def _places(gaps: Sequence[Gap]) -> str:
-    named = ", ".join(f"{g.length_s:.2f} s at {g.start_s:.2f} s" for g in gaps[:NAMED])
-    return named + (", …" if len(gaps) > NAMED else "")
