@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from softid.errors import InputError, UsageError
-from softid_cli.console import announce_compilation, progress, say
+from softid_cli.console import ProgressCallback, announce_compilation, progress, say
 from softid_cli.model_options import (
     chosen_effects,
     described_models,
@@ -138,7 +138,8 @@ def _how_to_go_on(request: DiagnoseRequest, unfinished: Path) -> str:
         sooner.append("fewer --effects")
     again = "no result was written; run the same command again"
     if unfinished.exists():
-        again += f" to go on from here ({unfinished} has what was found)"
+        size = unfinished.stat().st_size / 1e6
+        again += f" to go on from here ({unfinished} has what was found, {size:.0f} MB)"
     return f"{again}, or be done sooner with {' or '.join(sooner)}" if sooner else again
 
 
@@ -170,7 +171,7 @@ def _found(request: DiagnoseRequest, unfinished: Path) -> tuple[Diagnosis, dict[
             preferred=described_models(request.geometry) if model is None else (),
             effects=request.effects,
             seed=request.seed,
-            progress=report,
+            progress=_with_news(report),
             checkpoint=unfinished,
         )
         if request.no_plots:
@@ -180,6 +181,19 @@ def _found(request: DiagnoseRequest, unfinished: Path) -> tuple[Diagnosis, dict[
         from softid.plots import png_files
 
         return found, png_files(found)
+
+
+def _with_news(report: ProgressCallback | None) -> ProgressCallback | None:
+    """The progress, with a line of its own for a run that goes on."""
+    from softid.records.checkpoint import GOES_ON
+
+    def told(stage: str, fraction: float) -> None:
+        if stage == GOES_ON:
+            say(f"info: {stage}")
+        elif report is not None:
+            report(stage, fraction)
+
+    return None if report is None else told
 
 
 def _warn_early(logs: Sequence[Log]) -> None:

@@ -37,7 +37,7 @@ _DROWNED = 0.1
 _MOST_PLACES = 4
 """Places of issues alike that are named on the terminal; the files have all of them."""
 
-_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 _OPTION_UNITS = {"_n_per_mm": "N/mm", "_kg_m3": "kg/m³", "_mm": "mm", "_pa": "Pa", "_m": "m"}
 """Ending of an option's name → its unit; the longest that fits comes first."""
@@ -99,19 +99,32 @@ def print_issues(issues: Sequence[Issue]) -> None:
 def issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
     """Each issue folded to a width, below it of what else it is true, and its remedy.
 
-    What differs from another issue in the log and in numbers only is not said again.
+    What differs from another issue in the log, and in one number at most, is not said again.
     """
-    alike: dict[object, list[Issue]] = {}
-    for issue in dict.fromkeys(issues):
-        alike.setdefault(_kind(issue), []).append(issue)
     lines = []
-    for first, *others in alike.values():
+    for first, *others in _alike(issues):
         lines.append(folded(f"{first.severity}: {first.message}", width, indent="  "))
         if others:
-            lines.append(folded(f"  likewise {_places(others)}", width))
+            lines.append(folded(f"  likewise {_places(first, others)}", width))
         if first.remedy:
             lines.append(folded(f"  → {first.remedy}", width))
     return lines
+
+
+def _alike(issues: Iterable[Issue]) -> list[list[Issue]]:
+    """Issues that are told together, in the order of the first of each."""
+    groups: list[list[Issue]] = []
+    of_kind: dict[object, list[list[Issue]]] = {}
+    for issue in dict.fromkeys(issues):
+        same = of_kind.setdefault(_kind(issue), [])
+        for group in same:
+            if len(_changed(group[0], issue)) <= 1:
+                group.append(issue)
+                break
+        else:
+            same.append([issue])
+            groups.append(same[-1])
+    return groups
 
 
 def _kind(issue: Issue) -> object:
@@ -122,9 +135,19 @@ def _kind(issue: Issue) -> object:
     return issue.code, issue.severity, issue.remedy, _NUMBER.sub("#", said)
 
 
-def _places(issues: Sequence[Issue]) -> str:
-    """Where else; of many places the first ones."""
-    places = [issue.message.partition(": ")[0] for issue in issues]
+def _changed(first: Issue, other: Issue) -> list[int]:
+    """Which of the numbers of one kind of issue are others."""
+    told = [_NUMBER.findall(issue.message.partition(": ")[2]) for issue in (first, other)]
+    return [k for k, (one, another) in enumerate(zip(*told, strict=True)) if one != another]
+
+
+def _places(first: Issue, others: Sequence[Issue]) -> str:
+    """Where else, with the number that is another one there; of many places the first ones."""
+    places = []
+    for issue in others:
+        place, _, said = issue.message.partition(": ")
+        numbers = [_NUMBER.findall(said)[k] for k in _changed(first, issue)]
+        places.append(" ".join((place.replace(", ", " "), *(f"({n})" for n in numbers))))
     more = len(places) - _MOST_PLACES
     if more > 1:
         places[_MOST_PLACES:] = [f"{more} more"]

@@ -47,9 +47,11 @@ def unfinished_folder() -> Path:
 
 def _tidy(own: Path) -> None:
     """Keep the last few, and none for ever."""
+    from softid.records.checkpoint import is_in_use
+
     with suppress(OSError):  # whoever else tidies, or may not
         others = [(p.stat().st_mtime, p) for p in own.parent.glob(f"*{SUFFIX}") if p != own]
         oldest = time.time() - DAYS * 86400.0
         for rank, (written, path) in enumerate(sorted(others, reverse=True), start=2):
-            if rank > MOST or written < oldest:
+            if (rank > MOST or written < oldest) and not is_in_use(path):
                 path.unlink()

@@ -14,6 +14,7 @@ from os import stat_result
 from pathlib import Path
 
 from softid.effects import effects_of
+from softid.errors import UsageError
 from softid.parallel import KnownObjects, kept_in
 from softid.records.checkpoint import Checkpoint
 from softid.records.params import versions
@@ -35,13 +36,25 @@ def resumable(path: str | Path | None, arguments: Mapping[str, object]) -> Itera
     Raises
     ------
     UsageError
-        The file is there and is no checkpoint.
+        The path is none, or leads to something that is no checkpoint.
     """
     if path is None:
         yield False
         return
-    with Checkpoint(Path(path).expanduser(), _key(arguments)) as checkpoint, kept_in(checkpoint):
+    with Checkpoint(_file(path), _key(arguments)) as checkpoint, kept_in(checkpoint):
         yield checkpoint.goes_on
+
+
+def _file(path: str | Path) -> Path:
+    try:
+        return Path(path).expanduser()
+    except (TypeError, RuntimeError) as error:  # a number, or the home of nobody
+        raise UsageError(
+            "this is no path",
+            where="checkpoint",
+            value=str(path),
+            remedy="name a file that does not exist yet",
+        ) from error
 
 
 def _key(arguments: Mapping[str, object]) -> str:

@@ -53,6 +53,7 @@ from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import in_step, is_copy, matrices_on_one_thread
 from softid.parameters import ParameterSet
+from softid.records.checkpoint import GOES_ON
 
 if TYPE_CHECKING:
     import lmfit
@@ -96,10 +97,11 @@ def diagnose(
     progress
         Called with a sentence and the fraction done.
     checkpoint
-        A file that keeps what is found after the first 20 s. An interrupted diagnosis that is asked
-        for again, with the same file and arguments, goes on from there; a file of others is begun
-        anew. It is removed at the end, takes up to 4 GB, and is as trusted as a program, so it
-        belongs where only you may write. Windows keeps none.
+        A file that keeps what is found after the first seconds. An interrupted diagnosis that is
+        asked for again, with the same file and arguments, goes on from there; a file of others is
+        begun anew. It is removed at the end, takes up to 4 GB, and is as trusted as a program, so
+        it belongs where only you may write. Where it cannot be written, as on Windows, none is
+        kept.
 
     Returns
     -------
@@ -133,7 +135,7 @@ def diagnose(
     }
     with resumable(checkpoint, arguments) as goes_on:
         if goes_on and progress is not None:
-            progress("going on from an interrupted run", 0.0)
+            progress(GOES_ON, 0.0)
         return _diagnosed(**arguments, progress=progress)
 
 

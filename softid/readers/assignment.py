@@ -23,7 +23,6 @@ from softid.readers.signals import of_signal, require_unit_of, unit_example
 from softid.readers.times import TimeAxis, channel_flag, read_times
 from softid.readers.wishes import Wish, asked_channels
 from softid.units import (
-    CANONICAL_UNIT,
     CHANNEL_QUANTITY,
     lookup_unit,
     unit_symbol,
@@ -165,7 +164,8 @@ def _holds_times(table: Table, index: int) -> bool:
 def _times(table: Table, wish: Wish, time_unit: str | None) -> TimeAxis:
     confirmed = time_unit or wish.unit
     unit = confirmed or stated_unit(table, wish.index)
-    return read_times(table, wish.index, unit, scale=wish.scale, confirmed=bool(confirmed))
+    is_sure = bool(confirmed) or table.is_timed_in_s
+    return read_times(table, wish.index, unit, scale=wish.scale, confirmed=is_sure)
 
 
 def stated_unit(table: Table, index: int) -> str | None:
@@ -301,17 +301,25 @@ def _ambiguous(table: Table, name: str, columns: tuple[int, ...]) -> InputError:
     shown = [
         f"{names[k]} (column {k + 1})" if names.count(names[k]) > 1 else names[k] for k in columns
     ]
-    unit = read_name(names[columns[0]]).unit
-    example = unit_symbol(unit) if unit else CANONICAL_UNIT[CHANNEL_QUANTITY[name]]
+    unit = table.head.units[columns[0]] or read_name(names[columns[0]]).unit
+    example = unit_symbol(unit) if unit else unit_example(name, table)
+    remedy = f"choose one, as in {channel_flag(name, table, columns[0], example)}"
     return InputError(
         f"{len(columns)} columns look like {name}: {', '.join(shown)}",
         where=table.head.path,
-        remedy=f"choose one, as in {channel_flag(name, table, columns[0], example)}",
+        remedy=remedy if unit else f"{remedy}{_or_as_angle(name, table, columns[0])}",
     )
 
 
+def _or_as_angle(name: str, table: Table, index: int) -> str:
+    """What else a position may be where the format calls the turn of a joint one."""
+    if name != "position" or "angle" not in table.usual_units:
+        return ""
+    return f", or {channel_flag('angle', table, index, table.usual_units['angle'])} if it turns"
+
+
 def _unitless(table: Table, name: str, index: int) -> InputError:
-    quantity, example = CHANNEL_QUANTITY[name], unit_example(name)
+    quantity, example = CHANNEL_QUANTITY[name], unit_example(name, table)
     headed = table.head.names[index] if table.head.headed else ""
     signal, written = signal_unit(headed), bracketed_text(headed)
     if signal is not None:
@@ -319,5 +327,6 @@ def _unitless(table: Table, name: str, index: int) -> InputError:
     return InputError(
         f"{written} is no unit of {quantity}" if written else f"the {name} has no unit",
         where=table.place(index),
-        remedy=f"state it, as in {channel_flag(name, table, index, example)}",
+        remedy=f"state it, as in {channel_flag(name, table, index, example)}"
+        + _or_as_angle(name, table, index),
     )

@@ -28,8 +28,13 @@ _SIGNATURES: Mapping[str, bytes] = {
 }
 _REPAIRS: Mapping[str, str] = {
     ".bag": "repair it with rosbag reindex",
-    ".db3": "repair it with ros2 bag reindex",
+    ".db3": "save what is left with: sqlite3 FILE .recover",
     ".mcap": "repair it with mcap recover",
+}
+_USUAL_UNITS = {
+    "angle": "rad",
+    "torque": "N·m",
+    **dict.fromkeys(("position", "distance", "length", "contraction"), "m"),
 }
 
 
@@ -68,6 +73,16 @@ class BagTable(Table):
     def only_on_request(self) -> bool:
         """Whether all columns together, with a cell in every row, would be too large to hold."""
         return len(self.head.names) * self.rows.size * _BYTES_PER_NUMBER > files.SIZE_LIMIT_BYTES
+
+    @property
+    def is_timed_in_s(self) -> bool:
+        """True, however close messages of different topics come."""
+        return True
+
+    @property
+    def usual_units(self) -> Mapping[str, str]:
+        """The units of ROS (REP 103)."""
+        return _USUAL_UNITS
 
     def numbers(self, index: int) -> Array:
         """One column as numbers, NaN in the rows of other topics."""
@@ -280,7 +295,7 @@ def _damaged(path: Path, parts: Sequence[Path]) -> InputError:
     missing = [part.name for part in parts if not part.exists()]
     if missing:
         return InputError(
-            f"{_METADATA} beside it lists {first_names(missing)}, which is not there",
+            f"{_METADATA} beside it lists what is not there: {first_names(missing)}",
             where=str(path),
             remedy="copy all files of the recording together, or this one to a folder of its own",
         )

@@ -127,6 +127,16 @@ class Table(ABC):
         """Whether columns that nobody asked for stay in the file, because it is large."""
         return False
 
+    @property
+    def is_timed_in_s(self) -> bool:
+        """Whether the format itself says that times are in s, so that none looks like another."""
+        return False
+
+    @property
+    def usual_units(self) -> Mapping[str, str]:
+        """Channel → unit to propose for it, where the format has its own custom."""
+        return {}
+
     def place(self, index: int, sample: int | None = None) -> str:
         """File, column and row, for messages."""
         name = self.head.names[index]

@@ -63,8 +63,11 @@ def require_file(path: Path) -> int:
     except (OSError, ValueError) as error:
         raise _unreadable(path, error) from error
     if stat.S_ISDIR(status.st_mode):
+        is_bag = (path / "metadata.yaml").exists()
         raise InputError(
-            "this is a folder, not a log", where=str(path), remedy="name the files in it"
+            "this is a folder, not a log",
+            where=str(path),
+            remedy="name one of the files of the bag in it" if is_bag else "name the files in it",
         )
     if not stat.S_ISREG(status.st_mode):
         raise InputError(

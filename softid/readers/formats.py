@@ -25,6 +25,14 @@ READERS: Mapping[str, Reader] = {
 }
 """Ending of the file's name → reader."""
 
+_PACKED = {
+    **dict.fromkeys((".zst", ".zstd"), "unzstd"),
+    ".bz2": "bunzip2",
+    ".xz": "unxz",
+    ".zip": "unzip",
+}
+"""Ending → what unpacks such a file."""
+
 
 def split_suffix(path: Path) -> tuple[str, str]:
     """Stem and known ending of a file's name.
@@ -38,6 +46,13 @@ def split_suffix(path: Path) -> tuple[str, str]:
     for suffix in sorted(READERS, key=len, reverse=True):
         if lower.endswith(suffix) and len(lower) > len(suffix):
             return path.name[: -len(suffix)], suffix
+    if path.suffix.lower() in _PACKED:
+        raise InputError(
+            "this file is compressed as a whole",
+            where=str(path),
+            value=path.suffix,
+            remedy=f"unpack it first, with {_PACKED[path.suffix.lower()]}",
+        )
     raise InputError(
         "no reader knows this kind of file",
         where=str(path),

@@ -23,6 +23,9 @@ SIGNED_WITHIN = 2048
 """Bytes in which the signature stands: MATLAB writes it behind a header of 512 bytes of its own,
 and HDF5 looks for it at twice that and twice again."""
 
+_NO_NUMBERS = 2
+"""Length of what stands for something without numbers; one value would be a fact of the log."""
+
 _OWN_PARTS = "#"
 """What the names of MATLAB's own parts begin with: cells, objects and function handles."""
 
@@ -35,7 +38,8 @@ def is_hdf5(data: bytes) -> bool:
 def hdf5_arrays(path: Path, data: bytes) -> list[tuple[str, str, npt.NDArray[Any]]]:
     """The parent's name, the own name and the values of every array.
 
-    Cells, objects, complex numbers and empty arrays are left out.
+    What is no channel, such as a cell or a timetable, is there without numbers, so that it can be
+    said that it is left out.
 
     Parameters
     ----------
@@ -65,17 +69,20 @@ def hdf5_arrays(path: Path, data: bytes) -> list[tuple[str, str, npt.NDArray[Any
 
     def look(name: str, part: Any) -> None:
         nonlocal left
-        if not isinstance(part, h5py.Dataset) or name.startswith(_OWN_PARTS):
+        is_own = name.startswith(_OWN_PARTS) or "/" + _OWN_PARTS in name
+        if not isinstance(part, h5py.Dataset) or is_own or part.attrs.get("MATLAB_empty", 0):
             return
-        values = part.dtype.kind in "fiub" and not part.attrs.get("MATLAB_empty", 0)
-        if not values:
+        *above, own = name.split("/")
+        parent = ".".join(above) or own
+        kind = _kind_of(part)
+        if kind is not None:
+            found.append((parent, f"{own} ({kind})", np.empty(_NO_NUMBERS, object)))
             return
         left -= int(part.nbytes)
         if left < 0:
             limit = files.SIZE_LIMIT_BYTES / files.MEGABYTE
-            raise files.too_large(path, f"over {limit:.0f} MB unpacked")
-        *above, own = name.split("/")
-        found.append((".".join(above) or own, own, _array_of(part)))
+            raise files.too_large(path, f"over {limit:.0f} MB unpacked, with {name},")
+        found.append((parent, own, _array_of(part)))
 
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
@@ -90,6 +97,17 @@ def hdf5_arrays(path: Path, data: bytes) -> list[tuple[str, str, npt.NDArray[Any
             remedy="copy it again, or save it in MATLAB with save(name, '-v7')",
         ) from error
     return found
+
+
+def _kind_of(part: Any) -> str | None:
+    """What MATLAB calls something that is no array of real numbers; None for one that is."""
+    kind = part.attrs.get("MATLAB_class", b"")
+    name = kind.decode("latin-1") if isinstance(kind, bytes) else str(kind)
+    if "MATLAB_object_decode" in part.attrs:  # the numbers are those of an object elsewhere
+        return name or "object"
+    if part.dtype.kind in "fiub":
+        return None
+    return "complex" if part.dtype.names == ("real", "imag") else name or "no numbers"
 
 
 def _array_of(part: Any) -> npt.NDArray[Any]:

@@ -40,10 +40,11 @@ def of_signal(channel: str, signal: str, table: Table, index: int, *, where: str
         f"{signal} is no unit of {CHANNEL_QUANTITY[channel]}",
         where=where,
         remedy=f"say how much 1 {signal} is, as in "
-        f"{channel_flag(channel, table, index, f'100*{unit_example(channel)}')}",
+        f"{channel_flag(channel, table, index, f'100*{unit_example(channel, table)}')}",
     )
 
 
-def unit_example(channel: str) -> str:
+def unit_example(channel: str, table: Table) -> str:
     """A unit to propose for a known channel."""
-    return {"angle": "deg"}.get(channel, CANONICAL_UNIT[CHANNEL_QUANTITY[channel]])
+    usual = {"angle": "deg", **table.usual_units}
+    return usual.get(channel, CANONICAL_UNIT[CHANNEL_QUANTITY[channel]])

@@ -15,6 +15,7 @@ import time
 import zlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from types import TracebackType
 from typing import Any, BinaryIO, TypeVar
 
@@ -25,9 +26,9 @@ from softid.parallel import KnownObjects, NotKnownError
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-BEGINS_AFTER_S = 20.0
-"""Time in s before which nothing is kept: who loses less than that does not mind, and nearly all
-diagnoses are over by then and write no file."""
+BEGINS_AFTER_S = 5.0
+"""Time in s before which nothing is kept: who loses less than that does not mind, and what is over
+by then writes no file."""
 
 MOST_BYTES = 4 * 2**30
 """Size of a file beyond which nothing is added; what comes after is done anew. A judgement: minutes
@@ -35,6 +36,9 @@ of a diagnosis, on a disk that has room for it."""
 
 MOST_OF_FREE = 0.1
 """Share of what is free on the disk beyond which nothing is added, either."""
+
+GOES_ON = "going on from an interrupted run"
+"""What the progress of a run that goes on begins with."""
 
 MARK = b"softid checkpoint 1\n"
 """What a file begins with, before the key."""
@@ -79,7 +83,7 @@ class Checkpoint:
         self._file: BinaryIO | None = None
         self._is_given_up = False
         if path.exists():
-            _require_no_other_file(path)
+            _require_own(path)
             self._take()
             self._note_entries()
         self.goes_on = bool(self._entries)
@@ -135,7 +139,8 @@ class Checkpoint:
         """Make the file if there is none, and let no other run write to it."""
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            self._path.touch(mode=0o600)
+            if not self._path.exists():
+                self._make()
             file = self._path.open("r+b")
         except OSError:
             self._is_given_up = True
@@ -147,6 +152,13 @@ class Checkpoint:
         self._file = file
         free = shutil.disk_usage(self._path.parent).free
         self._most_bytes = min(MOST_BYTES, int(MOST_OF_FREE * free) + self._path.stat().st_size)
+
+    def _make(self) -> None:
+        """Make the file, whole from the first moment on: one without a beginning is not ours."""
+        folder = str(self._path.parent)
+        with NamedTemporaryFile(dir=folder, prefix=self._path.name, delete=False) as new:
+            new.write(self._header)
+        Path(new.name).replace(self._path)
 
     def _note_entries(self) -> None:
         """Note what an earlier run has kept, and where it is."""
@@ -208,20 +220,30 @@ class Checkpoint:
         self._file = None
 
 
-def _require_no_other_file(path: Path) -> None:
-    """Refuse a file that is not ours to write to, let alone to remove.
+def is_in_use(path: Path) -> bool:
+    """Whether a run keeps what it does in this file."""
+    try:
+        with path.open("r+b") as file:
+            return not _locked(file)
+    except OSError:
+        return False
+
+
+def _require_own(path: Path) -> None:
+    """Refuse what is not ours to write to, let alone to remove.
 
     Raises
     ------
     UsageError
-        It holds something else.
+        It is no file, or holds something else.
     """
     begin = b""
-    with contextlib.suppress(OSError), path.open("rb") as file:
-        begin = file.read(len(MARK))
-    if begin not in (b"", MARK):
+    if path.is_file():
+        with contextlib.suppress(OSError), path.open("rb") as file:
+            begin = file.read(len(MARK))
+    if begin != MARK:
         raise UsageError(
-            "this file is no checkpoint of softid",
+            "this is no checkpoint of softid",
             where="checkpoint",
             value=str(path),
             remedy="name a file that does not exist yet",

@@ -139,7 +139,7 @@ def test_every_command_can_be_quiet(softid: Cli, command: str) -> None:
 
 
 def test_what_is_true_of_several_logs_is_said_once() -> None:
-    """Other numbers are no other remark; another remedy, sentence or parameter is."""
+    """Another number is no other remark; another remedy, sentence or parameter is."""
     repeats = [
         Issue("r", "info", f"log_{k}, column 2: repeats for about 1.{k} samples", "one rate")
         for k in range(3)
@@ -153,7 +153,7 @@ def test_what_is_true_of_several_logs_is_said_once() -> None:
     issues = [repeats[0], *unknown, repeats[1], late, repeats[2], elsewhere]
     assert issue_lines(issues, 80) == [
         "info: log_0, column 2: repeats for about 1.0 samples",
-        "  likewise log_1, column 2 and log_2, column 2",
+        "  likewise log_1 column 2 (1.1) and log_2 column 2 (1.2)",
         "  → one rate",
         "warning: a1: not known",
         "  → steps",
@@ -163,6 +163,19 @@ def test_what_is_true_of_several_logs_is_said_once() -> None:
         "  → one rate",
         "info: log_0, column 2: repeats for about 1.0 samples",
         "  → another",
+    ]
+
+
+def test_what_differs_in_more_than_a_number_is_said_in_full() -> None:
+    """One lost sample must not stand for nine hundred; the third log is as the second."""
+    lost = [
+        Issue("lost", "warning", f"log_{k}: dropped {n} of {all_of} samples")
+        for k, (n, all_of) in enumerate([(1, 2000), (900, 1900), (800, 1900)])
+    ]
+    assert issue_lines(lost, 80) == [
+        "warning: log_0: dropped 1 of 2000 samples",
+        "warning: log_1: dropped 900 of 1900 samples",
+        "  likewise log_2 (800)",
     ]
 
 

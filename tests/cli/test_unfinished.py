@@ -14,6 +14,7 @@ import pytest
 from desk import Desk, Outcome
 
 from softid.log import Log
+from softid.records.checkpoint import GOES_ON
 from softid_cli.unfinished import DAYS, MOST, SUFFIX
 
 Cli = Callable[..., Outcome]
@@ -24,8 +25,12 @@ def kept(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """Files that diagnoses were to keep themselves in; each begins its file and is interrupted."""
     files: list[Path] = []
 
-    def diagnose(logs: Sequence[Log], *, checkpoint: Path, **options: Any) -> None:
+    def diagnose(
+        logs: Sequence[Log], *, checkpoint: Path, progress: Any = None, **options: Any
+    ) -> None:
         files.append(checkpoint)
+        if progress is not None and checkpoint.exists():
+            progress(GOES_ON, 0.0)
         checkpoint.parent.mkdir(exist_ok=True)
         checkpoint.touch()
         raise KeyboardInterrupt
@@ -46,6 +51,13 @@ def test_the_same_command_finds_its_file(softid: Cli, kept: list[Path]) -> None:
     softid("diagnose", "b.csv", "--quiet")
     assert len(set(kept[:3])) == 1
     assert len(set(kept)) == 4
+
+
+def test_a_run_that_goes_on_says_so(softid: Cli, kept: list[Path]) -> None:
+    """At once, however short it is; with --quiet nothing is said."""
+    assert "going on" not in softid("diagnose", "a.csv").err
+    assert "info: going on from an interrupted run\n" in softid("diagnose", "a.csv").err
+    assert "going on" not in softid("diagnose", "a.csv", "--quiet").err
 
 
 def test_old_and_many_ones_are_removed(softid: Cli, kept: list[Path], unfinished: Path) -> None:

@@ -13,6 +13,7 @@ import pytest
 from softid.diagnosis import diagnose
 from softid.diagnosis.resumption import resumable
 from softid.diagnosis_results import Diagnosis
+from softid.errors import UsageError
 from softid.log import Log
 from softid.models import MODELS
 from softid.parallel import in_parallel, sharing
@@ -126,3 +127,9 @@ def test_what_a_checkpoint_belongs_to(logs: Sequence[Log], tmp_path: Path) -> No
 def goes_on(file: Path, asked: dict[str, Any]) -> bool:
     with resumable(file, asked) as found:
         return found
+
+
+@pytest.mark.parametrize("path", [5, "~nobody-of-this-name/run"])
+def test_what_is_no_path_is_refused(logs: Sequence[Log], path: Any) -> None:
+    with pytest.raises(UsageError, match="no path"):
+        diagnose(logs[0], checkpoint=path)

@@ -133,7 +133,7 @@ def test_a_split_recording_is_read_as_one(tmp_path: Path) -> None:
     assert tables[0].head.sha256 == tables[1].head.sha256
     assert "read together with run_1.db3" in told(tables[0], "files-read-together")
     second.unlink()
-    with pytest.raises(InputError, match=r"lists run_1.db3, which is not there; copy all files"):
+    with pytest.raises(InputError, match=r"lists what is not there: run_1.db3; copy all files"):
         read_bag(path)
 
 

@@ -112,6 +112,29 @@ def test_joints_are_told_by_their_names(tmp_path: Path, suffix: str) -> None:
     assert told(table, "column-left-out") == ""
 
 
+def test_a_joint_is_asked_about_in_the_units_of_ros(tmp_path: Path) -> None:
+    """Two joints may each be the position, in m, or an angle, in rad: one remedy each, as it is."""
+    types = Types(".db3")
+    messages = numbers(types, "/pressure_kpa", {0.0: 1.0, 1.0: 2.0})
+    for k in range(2):
+        fields = {
+            "name": ["finger", "wrist"],
+            "position": np.array([0.5, 0.25]) * k,
+            "velocity": np.array([]),
+            "effort": np.array([]),
+        }
+        state = types.make("sensor_msgs/msg/JointState", header=types.header(k), **fields)
+        messages.append(("/js", k, state))
+    path = write_bag(tmp_path / "run", ".db3", messages)
+    with pytest.raises(InputError) as caught:
+        load(path)
+    remedy = str(caught.value.remedy)
+    assert "--channel position=/js.position.finger:m, or --channel" in remedy
+    assert remedy.endswith("angle=/js.position.finger:rad if it turns")
+    log = load(path, channels={"angle": "/js.position.finger:rad"})
+    assert log.channels["angle"].values.tolist() == [0.0, 0.5]
+
+
 def test_images_are_not_decoded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from rosbags.highlevel import AnyReader
 

@@ -10,7 +10,7 @@ import pytest
 
 import softid
 from softid.readers import load
-from softid.readers.bag import read_bag
+from softid.readers.bag import BagTable, read_bag
 
 pytest.importorskip("rosbags", reason="rosbags is in the test extra")
 from inspected import codes
@@ -52,6 +52,7 @@ def test_a_topic_without_header_is_timed_by_its_receipt(tmp_path: Path) -> None:
         (None, {}, "1 of 2 stamps of /p are zero"),
         (1.0, {"start_ns": 5 * 10**9}, "the stamps of /p are 8.5e+08 s before their receipt"),
         (4.5, {}, "the stamps of /p are 1.75 s after their receipt"),
+        (1.04, {}, "the stamps of /p are 0.02 s after their receipt"),
     ],
 )
 def test_of_two_clocks_the_recorder_s_is_taken(
@@ -59,7 +60,8 @@ def test_of_two_clocks_the_recorder_s_is_taken(
 ) -> None:
     """One topic of another clock, and all topics are timed by their receipt.
 
-    The median of two differences is their mean: of 0 and 3.5 s, 1.75 s.
+    The median of two differences is their mean: of 0 and 3.5 s, 1.75 s. No message is received
+    before it is stamped, so of those 20 ms are too many.
     """
     types = Types(".mcap")
     messages = [stamped(types, "/p", 0.0, 0.0), stamped(types, "/p", 1.0, stamp, **start)]
@@ -120,3 +122,18 @@ def test_two_topics_of_two_rates_are_fitted_as_two_recorders(tmp_path: Path) -> 
         assert error is not None
         assert error < 2e-3 * truth
         assert abs(found[name].value - truth) < 5.0 * error
+
+
+def test_messages_of_many_topics_raise_no_doubt_about_seconds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Four topics 30 µs apart: the median step of the rows, 30 µs, is that of no sensor."""
+    types = Types(".mcap")
+    messages = []
+    for k, topic in enumerate(("/pressure_kpa", "/angle_deg", "/a", "/b")):
+        values = {row / 50.0 + k * 3e-5: float(row) for row in range(50)}
+        messages += numbers(types, topic, values)
+    path = write_bag(tmp_path / "run", ".mcap", messages)
+    assert not [i for i in load(path).issues if "is s its unit" in i.message]
+    monkeypatch.setattr(BagTable, "is_timed_in_s", False)
+    assert [i for i in load(path).issues if "is s its unit" in i.message]

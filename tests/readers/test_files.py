@@ -156,6 +156,18 @@ def test_text_under_a_binary_name(write_log: WriteFile, name: str) -> None:
     assert "that can be read" in str(refused(write_log(GOOD, name)))
 
 
+def test_what_is_compressed_as_a_whole_is_to_be_unpacked(write_log: WriteFile) -> None:
+    error = refused(write_log(GOOD, "log.db3.zstd"))
+    assert "compressed as a whole (got '.zstd'); unpack it first, with unzstd" in str(error)
+
+
+def test_of_a_folder_a_file_is_asked_for(tmp_path: Path) -> None:
+    """Of a recording of ROS 2 only one, for all its files are read together."""
+    assert "name the files in it" in str(refused(tmp_path))
+    (tmp_path / "metadata.yaml").touch()
+    assert "name one of the files of the bag" in str(refused(tmp_path))
+
+
 @pytest.mark.parametrize("name", ["log.xlsx", "log", "log.gz", ".csv", "log.bag.active"])
 def test_unknown_endings_list_the_known_ones(write_log: WriteFile, name: str) -> None:
     error = refused(write_log(GOOD, name))

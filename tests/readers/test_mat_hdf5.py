@@ -87,12 +87,27 @@ def test_texts_and_single_numbers_are_facts(write_log: WriteFile) -> None:
     with h5py.File(stream, "r+") as file:
         file.create_dataset("none", data=np.array([0, 5], np.uint64)).attrs["MATLAB_empty"] = 1
         file.create_dataset("#refs#/a", data=np.arange(5.0))
-        file.create_dataset("cells", (5,), h5py.ref_dtype)
-        file.create_dataset("waves", data=np.ones(5, np.dtype([("real", "f8"), ("imag", "f8")])))
     table = read_mat(write_log(stream.getvalue(), "log.mat"))
     assert set(table.head.names) == set(COLUMNS)
     assert dict(table.head.metadata) == {"rig": "finger 3", "gain": "2.5"}
     assert table.head.issues == ()
+
+
+def test_what_is_no_array_of_numbers_is_told_as_what_it_is(write_log: WriteFile) -> None:
+    """A timetable stores six numbers that say where its columns are, in no documented way."""
+    stream = io.BytesIO(saved(COLUMNS))
+    with h5py.File(stream, "r+") as file:
+        cells = file.create_dataset("cells", (5,), h5py.ref_dtype)
+        cells.attrs["MATLAB_class"] = np.bytes_(b"cell")
+        file.create_dataset("waves", data=np.ones(5, np.dtype([("real", "f8"), ("imag", "f8")])))
+        table = file.create_dataset("rec", data=np.arange(6, dtype=np.uint32)[:, None])
+        table.attrs["MATLAB_class"] = np.bytes_(b"timetable")
+        table.attrs["MATLAB_object_decode"] = 3
+    head = read_mat(write_log(stream.getvalue(), "log.mat")).head
+    assert set(head.names) == set(COLUMNS)
+    (issue,) = head.issues
+    for part in ("cells (cell)", "waves (complex)", "rec (timetable)"):
+        assert part in issue.message
 
 
 def test_equal_field_names_carry_their_structs_name(write_log: WriteFile) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import pytest
 from softid.errors import UsageError
 from softid.parallel import in_parallel, in_step, kept_in, sharing
 from softid.records import checkpoint
-from softid.records.checkpoint import Checkpoint
+from softid.records.checkpoint import Checkpoint, is_in_use
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no file is kept there")
 
@@ -206,10 +207,31 @@ def test_a_folder_that_cannot_be_made_stops_no_run(rig: Rig) -> None:
     assert rig.run() == (ANSWER, TOTAL)
 
 
-def test_the_users_own_file_is_not_touched(rig: Rig) -> None:
-    """It would be overwritten, and removed at the end."""
+@pytest.mark.parametrize("content", ["time,pressure\n", ""])
+def test_the_users_own_file_is_not_touched(rig: Rig, content: str) -> None:
+    """It would be overwritten, and removed at the end; so would an empty one."""
     rig.file.parent.mkdir()
-    rig.file.write_text("time,pressure\n")
+    rig.file.write_text(content)
     with pytest.raises(UsageError, match="no checkpoint of softid"):
         rig.run()
-    assert rig.file.read_text() == "time,pressure\n"
+    assert rig.file.read_text() == content
+
+
+def test_nothing_but_a_file_is_taken(rig: Rig) -> None:
+    """Neither a folder nor a pipe, which reads as empty as a device does."""
+    rig.file.mkdir(parents=True)
+    with pytest.raises(UsageError, match="no checkpoint of softid"):
+        rig.run()
+    rig.file.rmdir()
+    os.mkfifo(rig.file)
+    with pytest.raises(UsageError, match="no checkpoint of softid"):
+        rig.run()
+    assert rig.file.is_fifo()
+
+
+def test_whether_a_run_uses_it(rig: Rig) -> None:
+    assert not is_in_use(rig.file)
+    interrupted(rig, 2)
+    assert not is_in_use(rig.file)
+    with Checkpoint(rig.file, "k"):
+        assert is_in_use(rig.file)
