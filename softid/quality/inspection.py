@@ -36,6 +36,7 @@ from softid.quality.sampling import describe_sampling
 from softid.quality.second_inputs import independent_inputs, other_inputs, second_input_issues
 from softid.quality.stuck import find_frozen, find_saturation, may_be_stuck
 from softid.quality.trace import Runs, Trace
+from softid.quality.two_recorders import at_output_rows
 from softid.quality.wrapped_angles import wrapped_angles
 
 Array = npt.NDArray[np.float64]
@@ -56,7 +57,8 @@ fewer, all samples are taken."""
 def inspect(log: Log) -> Inspection:
     """Say what is in a log, what is wrong with it, and what can be identified from it.
 
-    Nothing is resampled or changed: all findings refer to the log's own samples and times.
+    Nothing is resampled or changed: all findings refer to the log's own samples and times. Where
+    two recorders have rows of their own, those of the outputs count.
 
     Parameters
     ----------
@@ -82,13 +84,12 @@ def inspect(log: Log) -> Inspection:
     >>> found.excitation[0].kind, found.ability("static curve").possible
     ('staircase', 'yes')
     """
-    driving = require_explainable(log).channels[log.input].values
+    log = at_output_rows(require_explainable(log))
+    driving = log.channels[log.input].values
     stretches, windows = excitation_and_holds(log.time_s, driving)
     windows = _at_levels(windows, stretches, LEVEL_SPACING * float(np.ptp(driving)))
     rest, sampling = _at_rest(windows, len(log)), describe_sampling(log)
-    channels = tuple(
-        _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
-    )
+    channels = _reports(log, rest, windows)
     noise = {report.name: report.noise_std for report in channels}
     judged = next((name for name in log.outputs if name != "pressure"), log.outputs[0])
     stuck = next(c.frozen for c in channels if c.role == "input")
@@ -98,8 +99,8 @@ def inspect(log: Log) -> Inspection:
         step_response(alive, name, windows, noise, holds=holds[name], stuck=stuck)
         for name in log.outputs
     )
-    found = tuple(r for r in responses if r is not None)
-    signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
+    found = tuple(filter(None, responses))
+    signs = tuple(filter(None, (check_sign(log, name) for name in log.outputs)))
     lag = command_lag(log)
     evidence = Evidence(
         time_s=log.time_s,
@@ -286,6 +287,14 @@ def _kind(log: Log, name: str) -> Literal["command", "input", "output"]:
     if name == "pressure_command":
         return "command"
     return "input" if name == log.input else "output"
+
+
+def _reports(
+    log: Log, rest: BoolArray | None, windows: tuple[SettledWindow, ...]
+) -> tuple[ChannelReport, ...]:
+    return tuple(
+        _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
+    )
 
 
 def _report(
