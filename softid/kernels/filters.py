@@ -254,25 +254,6 @@ def lag_with_relief(step_s: Array, values: Array, tau_s: float, opens: float, lo
 
 
 @kernel
-def play(values: Array, width: float, side: float) -> None:
-    """Follow the input with play: move only when it leaves a band of ± a width.
-
-    Parameters
-    ----------
-    values
-        Input, shape (n,); overwritten by the output.
-    width
-        Half width of the band, not negative.
-    side
-        Output less input at the beginning, in widths, from −1 after a rise to 1 after a fall.
-    """
-    y = values[0] + side * width
-    for k in range(values.size):
-        y = min(max(y, values[k] - width), values[k] + width)
-        values[k] = y
-
-
-@kernel
 def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
     """Second-order resonance ÿ/ω² + 2ζ ẏ/ω + y = u at any damping.
 

@@ -105,6 +105,17 @@ LINEAR_CLASSES: tuple[EquivalenceClass, ...] = (
     ),
     EquivalenceClass(
         (
+            "a sensor that warms up",
+            "a pressure gauge that warms up",
+            "a load that changes and then stays",
+        ),
+        ("sensor_warmup",),
+        "In a linear model each adds the same course to the output where it is far slower than the "
+        "actuator.",
+        "read both sensors vented and at rest, before and after the log",
+    ),
+    EquivalenceClass(
+        (
             "a drift of the sensor's gain",
             "a drift of the gain of the pressure gauge",
             "a leak that grows",
@@ -122,8 +133,13 @@ DRIFTS = ("sensor_drift", "sensor_gain_drift", "sensor_warmup", "ageing")
 """Causes that go with the time alone."""
 
 CHANGING = EquivalenceClass(
-    (UNLISTED["load_drift"], UNLISTED["pressure_drift"], UNLISTED["pressure_gain_drift"]),
-    ("load_drift", "pressure_drift", "pressure_gain_drift"),
+    (
+        UNLISTED["load_drift"],
+        UNLISTED["pressure_drift"],
+        UNLISTED["settling_pressure"],
+        UNLISTED["pressure_gain_drift"],
+    ),
+    ("load_drift", "pressure_drift", "settling_pressure", "pressure_gain_drift"),
     "A refit with either in the other's place explains these logs as well or better",
     "rests at several levels before and after the log, with the load off and with it on, and read "
     "both sensors there",
@@ -230,6 +246,14 @@ ONE_FOR_ALL = EquivalenceClass(
 )
 """One law in place of what the catalogue needs."""
 
+READING_LOOP = EquivalenceClass(
+    ("a hysteresis of the material", UNLISTED["reading_hysteresis"]),
+    ("reading_hysteresis",),
+    _IN_PLACE_OF_IT,
+    "the sensor beside another one while the actuator is bent by hand, up and down",
+)
+"""A loop in the motion or in the reading."""
+
 OWN_BRANCH = EquivalenceClass(
     ("dry friction", UNLISTED["own_branches"]),
     ("own_branches",),
@@ -265,6 +289,7 @@ REPLACED = (
     TWO_HYSTERESES,
     SETTLING_STIFFNESS,
     OWN_BRANCH,
+    READING_LOOP,
     OTHER_FRICTION,
     STIFFER_WITH_PRESSURE,
     OTHER_CURVE,
@@ -272,7 +297,7 @@ REPLACED = (
 )
 """Told where a law in no catalogue is in a tie."""
 
-LIKELIER = (OWN_BRANCH, OTHER_CURVE, ONE_FOR_ALL)
+LIKELIER = (OWN_BRANCH, READING_LOOP, OTHER_CURVE, ONE_FOR_ALL)
 """Ties in which the law in no catalogue explains more."""
 
 FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"

@@ -94,9 +94,10 @@ def refitted_with(
 ) -> Candidate | None:
     """The base with effects of a model that stands, and others from the best of their starts.
 
-    Where none of its effects stays, they also begin beside the base without any, for what stood in
-    their place may have moved it to another optimum, or away from one. All that come near go on: of
-    two optima the one that is reached first is not always the lower.
+    Where none of its effects stays, or more of them go than laws come, they also begin beside the
+    base without any, for what stood in their place may have moved it to another optimum, or away
+    from one. All that come near go on: of two optima the one that is reached first is not always
+    the lower.
     One of `LEAD_ASTRAY` also begins at start values of the base for what arrives behind it: what
     stood for it has led the base away.
 
@@ -145,27 +146,32 @@ def refitted_with(
 def _starts(
     standing: Standing, kept: Sequence[Effect], laws: Sequence[Effect], problem: Problem
 ) -> list[Array]:
-    """The best start beside the model that stands; where nothing of it stays, of the base, too."""
+    """The best start beside the model that stands, and of the base where that was led away.
+
+    So it may have been where nothing of the model stays, or where one law stands for several
+    effects: what they did together the base may have done with its own parameters.
+    """
     base, known, rough_base = standing.base, standing.rough, standing.rough_base
     sigma, own_values = standing.rough_sigma, _start_values(laws, base)
-
-    def best(starts: Iterable[Array]) -> Array:
-        return min(starts, key=lambda start: squares_at(problem, start, sigma))
-
-    found = [
-        best(
-            start_unknowns(problem, place.problem, place.minimum.point, values)
-            for values in own_values
-        )
-        for place in ((known,) if kept else (known, rough_base))
-    ]
-    if not (isinstance(laws[0], InputEffect) and laws[0].name in LEAD_ASTRAY):
-        return found
     beside = {
         name: value
         for name, value in known.parameters.items()
         if any(belongs_to(effect, name) for effect in kept)
     }
+
+    def best(starts: Iterable[Array]) -> Array:
+        return min(starts, key=lambda start: squares_at(problem, start, sigma))
+
+    is_led_away = not kept or len(known.effects) - len(kept) > len(laws)
+    found = [
+        best(
+            start_unknowns(problem, place.problem, place.minimum.point, {**beside, **values})
+            for values in own_values
+        )
+        for place in ((known, rough_base) if is_led_away else (known,))
+    ]
+    if not (isinstance(laws[0], InputEffect) and laws[0].name in LEAD_ASTRAY):
+        return found
     bent = [
         start_unknowns(
             problem,

@@ -26,6 +26,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     PressureGainDrift,
     RecoveringSoftening,
     SettlingGain,
+    SettlingPressure,
     SettlingStiffness,
 )
 from softid.diagnosis.verdict.unlisted_laws import (
@@ -38,6 +39,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
 from softid.diagnosis.verdict.unlisted_memories import (
     OwnBranches,
     PositionHysteresis,
+    ReadingHysteresis,
     SecondCreep,
     SecondHysteresis,
 )
@@ -87,6 +89,20 @@ class Replacement:
     def takes(self, effect: Effect) -> bool:
         """Whether an effect is one of the causes."""
         return effect.name in self.causes or effect.key in self.causes
+
+    def takes_enough(self, other: Candidate, final: Candidate) -> bool:
+        """Whether a law leaves so much less than causes that its BIC counts.
+
+        Where it does without one of several effects it need not: what these do together is what it
+        does by itself.
+
+        Parameters
+        ----------
+        other, final
+            As in `does_as_much`.
+        """
+        may_be_close = self.least == 0.0 or len(other.effects) < len(final.effects)
+        return may_be_close or other.squares < (1.0 - self.least) * final.squares
 
     def does_as_much(self, other: Candidate, final: Candidate, base: BaseFit) -> bool:
         """Whether what stands in the place of causes does most of what these do, or predicts more.
@@ -156,6 +172,7 @@ the pressure, looks like these, for it holds the actuator elsewhere."""
 
 REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
+    Replacement(("sensor_warmup",), ((SettlingPressure(),),)),
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
     Replacement(
         ("stiffening", "static_curve", "contact"), ((InputLimit(),), (ReliefLeak(),)), behind=0.0
@@ -169,7 +186,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),
     Replacement(
         ("hysteresis", "coulomb_friction"),
-        ((InputPlay(),), (OutputPlay(),)),
+        ((InputPlay(),), (OutputPlay(),), (ReadingHysteresis(),)),
         behind=0.0,
         least=OF_A_STOP,
     ),
@@ -265,8 +282,7 @@ def with_replacements(
     for (row, laws, _), other in zip(tries, others, strict=True):
         if other is None or _is_within_samples(row, laws, other, base.scale.period_s):
             continue
-        takes_enough = row.least == 0.0 or other.squares < (1.0 - row.least) * final.squares
-        is_alike = takes_enough and all(
+        is_alike = row.takes_enough(other, final) and all(
             _is_alike(other, final, row.behind, ranked) for ranked in rankings
         )
         if is_alike or row.does_as_much(other, final, base):

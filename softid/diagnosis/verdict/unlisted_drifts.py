@@ -223,6 +223,28 @@ class SettlingGain(Settling, OutputEffect):
 
 
 @dataclass(frozen=True)
+class SettlingPressure(Settling, InputEffect):
+    """A zero of the pressure gauge that settles with the time, u + s u_span (1 − e^{−t/τ}).
+
+    In a linear model it is what a sensor's zero that settles does; a bent curve tells them apart.
+    """
+
+    name: ClassVar[str] = "settling_pressure"
+    title: ClassVar[str] = "Zero of the pressure gauge that settles"
+    law: ClassVar[str] = "arriving u = u + share u_span (1 - exp(-t/tau))"
+    meaning: ClassVar[str] = "The pressure gauge warms up, and then reads as it does."
+    signature: ClassVar[str] = "The residual wanders at first, most where the output is steep."
+    remedy: ClassVar[str] = "switch the gauge on long before the log begins"
+    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
+    counts_position: ClassVar[bool] = False
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Add s u_span (1 − e^{−t/τ})."""
+        arriving: Array = u - eta[0] * scale.u_span * np.expm1(-time_s / eta[1])
+        return arriving
+
+
+@dataclass(frozen=True)
 class RecoveringSoftening(StateEffect):
     """A softening by use that goes back at rest, Q (1 − s (1 − e^{−w})), ẇ = |v|/W0 − w/τ."""
 

@@ -25,12 +25,14 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     PressureGainDrift,
     RecoveringSoftening,
     SettlingGain,
+    SettlingPressure,
     SettlingStiffness,
     one_parameter,
 )
 from softid.diagnosis.verdict.unlisted_memories import (
     OwnBranches,
     PositionHysteresis,
+    ReadingHysteresis,
     SecondCreep,
     SecondHysteresis,
 )
@@ -55,7 +57,7 @@ from softid.diagnosis.verdict.unlisted_readings import (
 )
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
-from softid.kernels.filters import play
+from softid.kernels.way_memory import play
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -196,6 +198,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     LoadDrift,
     PressureGainDrift,
     PressureDrift,
+    SettlingPressure,
     RateLimit,
     InputLimit,
     ReliefLeak,
@@ -219,6 +222,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     SwingingPart,
     InputPlay,
     OutputPlay,
+    ReadingHysteresis,
 )
 """All laws of no catalogue that may stand in the place of all causes."""
 

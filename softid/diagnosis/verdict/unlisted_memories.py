@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from softid.diagnosis.verdict.unlisted_drifts import one_parameter
 from softid.effects import effect_of
-from softid.effects.base import StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, OutputEffect, StateEffect
 from softid.effects.scale import Scale
 from softid.kernels.terms import FORCE, RATE
-from softid.parameters import ParameterSet
+from softid.kernels.way_memory import loop
+from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
@@ -22,6 +23,12 @@ CREEP, HYSTERESIS = (cast(StateEffect, effect_of(name)) for name in ("creep", "h
 
 LEAST_GAIN, MOST_GAIN = -0.9, 30.0
 """Bounds of what a loop gains over the range of positions, as a share of it at the lower end."""
+
+MOST_HEIGHT, START_HEIGHT = 0.6, 0.04
+"""Bound and start of the half height of a sensor's loop, as a share of the range, as of a play."""
+
+LONGEST, DISTANCES = 2.0, (0.01, 0.05, 0.25)
+"""Bound and starts of the distance over which it changes branch, in ranges, as of a hysteresis."""
 
 CREEP_TIMES = (0.01, 0.03, 0.1, 0.3, 0.6)
 """Starts of the time of a second creep, as shares of the log."""
@@ -164,3 +171,52 @@ class PositionHysteresis(SecondHysteresis):
         place = min(max((x - eta[3]) / eta[4], 0.0), 1.0)
         out[FORCE] += eta[0] * z * (1.0 + eta[2] * place)
         out[RATE] += (v - abs(v) * z) / eta[1]
+
+
+@dataclass(frozen=True)
+class ReadingHysteresis(OutputEffect):
+    """A sensor whose reading stays behind on the way up and on the way down, y − h y_span z.
+
+    z follows the motion by Dahl's law, zs ż = ẏ − |ẏ| z, as the force of a hysteresis does. That
+    holds the actuator back and makes it stiffer after every turn; a sensor does neither.
+    """
+
+    name: ClassVar[str] = "reading_hysteresis"
+    title: ClassVar[str] = "Hysteresis of the sensor"
+    law: ClassVar[str] = "recorded y = x - h y_span z,  z' = (x' - |x'| z)/zs"
+    meaning: ClassVar[str] = (
+        "The sensor, or what glues it to the actuator, reads less on the way up and more on the "
+        "way down."
+    )
+    signature: ClassVar[str] = (
+        "The residual over the position is a loop, and the motion rings and settles without it."
+    )
+    remedy: ClassVar[str] = "the sensor beside another one, bent by hand up and down"
+    shown_by: ClassVar[str] = "fast steps that ring or settle within a loop, and small loops"
+    source: ClassVar[str] = "Dahl 1968, A Solid Friction Model"
+    amplitude: ClassVar[str] = "h"
+    essential: ClassVar[tuple[str, ...]] = ("zs",)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Half height as a share of the range, and the distance over which it changes branch."""
+        height = Parameter("h", START_HEIGHT, "1", LEAST_AMPLITUDE, MOST_HEIGHT, "log")
+        least, most = (share * scale.y_span for share in (SHARPEST_BEND, LONGEST))
+        distance = Parameter("zs", (least * most) ** 0.5, scale.y_unit, least, most, "log")
+        return ParameterSet(
+            (
+                replace(height, meaning="half height, share of the range", source=self.source),
+                replace(distance, meaning="distance between the branches", source=self.source),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Distances from a sharp turn to a quarter of the range."""
+        return tuple({"h": START_HEIGHT, "zs": share * scale.y_span} for share in DISTANCES)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Take away the branch."""
+        del time_s
+        branch = np.zeros(y.size)
+        loop(np.ascontiguousarray(y, dtype=np.float64), float(eta[1]), branch)
+        recorded: Array = y - eta[0] * scale.y_span * branch
+        return recorded

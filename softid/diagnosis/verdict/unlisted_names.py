@@ -40,11 +40,13 @@ UNLISTED: dict[str, str] = {
     "closes",
     "second_hysteresis": "a second hysteresis that gives way over another distance",
     "settling_stiffness": "a stiffness that changes with the time and settles",
+    "settling_pressure": "a zero of the pressure gauge that changes with the time and settles",
     "settling_gain": "a gain of the sensor that changes with the time and settles",
     "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
     "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",
     "own_branches": "a hysteresis that each log begins on a branch of its own",
+    "reading_hysteresis": "a hysteresis of the sensor, or of what glues it to the actuator",
     "input_play": "play of the valve or the regulator",
     "output_play": "play between the actuator and its sensor",
 }
