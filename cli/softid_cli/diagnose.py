@@ -185,15 +185,17 @@ def _found(request: DiagnoseRequest, unfinished: Path) -> tuple[Diagnosis, dict[
 
 def _with_news(report: ProgressCallback | None) -> ProgressCallback | None:
     """The progress, with a line of its own for a run that goes on."""
+    if report is None:
+        return None
     from softid.records.checkpoint import GOES_ON
 
     def told(stage: str, fraction: float) -> None:
         if stage == GOES_ON:
             say(f"info: {stage}")
-        elif report is not None:
+        else:
             report(stage, fraction)
 
-    return None if report is None else told
+    return told
 
 
 def _warn_early(logs: Sequence[Log]) -> None:

@@ -8,6 +8,7 @@ runs know instead of copying it, as those do that copies of a process send each 
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
 import struct
 import sys
@@ -141,6 +142,7 @@ class Checkpoint:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             if not self._path.exists():
                 self._make()
+            free = shutil.disk_usage(self._path.parent).free
             file = self._path.open("r+b")
         except OSError:
             self._is_given_up = True
@@ -150,8 +152,9 @@ class Checkpoint:
             self._is_given_up = True
             return
         self._file = file
-        free = shutil.disk_usage(self._path.parent).free
-        self._most_bytes = min(MOST_BYTES, int(MOST_OF_FREE * free) + self._path.stat().st_size)
+        size = file.seek(0, os.SEEK_END)
+        file.seek(0)
+        self._most_bytes = min(MOST_BYTES, int(MOST_OF_FREE * free) + size)
 
     def _make(self) -> None:
         """Make the file, whole from the first moment on: one without a beginning is not ours."""
@@ -203,7 +206,7 @@ class Checkpoint:
         try:
             with uninterrupted():
                 self._file.seek(0)
-                self._file.write(self._header)
+                self._file.write(self._header)  # in the place of that of another program or data
                 self._file.seek(self._end)
                 self._file.write(HEAD.pack(self._place, len(data), zlib.crc32(data)) + data)
                 self._file.truncate()

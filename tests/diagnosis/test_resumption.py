@@ -68,7 +68,7 @@ def test_the_answer_is_that_of_a_run_that_was_not_interrupted(
         "effects": ["creep", "delay", "sensor_lag"],
     }
     whole = diagnose(logs[0], **asked)
-    of_all, at_once = list(shared_out), len(shared_out)
+    whole_run = list(shared_out)
 
     def interrupt(message: str, fraction: float) -> None:
         if fraction > AT:
@@ -76,19 +76,19 @@ def test_the_answer_is_that_of_a_run_that_was_not_interrupted(
 
     with pytest.raises(KeyboardInterrupt):
         diagnose(logs[0], **asked, progress=interrupt, checkpoint=file)
-    before, told = len(shared_out) - at_once, list[str]()
-    assert 0 < before < at_once
+    before, told = len(shared_out) - len(whole_run), list[str]()
+    assert 0 < before < len(whole_run)
     again = diagnose(
         logs[0], **asked, progress=lambda message, _: told.append(message), checkpoint=str(file)
     )
     assert told[0] == "going on from an interrupted run"
     assert numbers(again) == numbers(whole)
-    assert shared_out[at_once + before :] == of_all[before:]
+    assert shared_out[len(whole_run) + before :] == whole_run[before:]
     assert not file.exists()
 
 
 def test_what_a_checkpoint_belongs_to(logs: Sequence[Log], tmp_path: Path) -> None:
-    """Another reading, hold-out, model, number of a seed: each is another diagnosis."""
+    """Another reading, hold-out, model, option, effect or seed: each is another diagnosis."""
     file = tmp_path / "run.checkpoint"
     asked: dict[str, Any] = {
         "logs": logs[0],

@@ -141,9 +141,10 @@ class Replacement:
 
 
 OF_A_STOP = 0.03
-"""Share of what dry friction leaves that play must take away in its place: behind a step that ends
-in one move a valve with play does the same, and friction whose sign is rounded creeps a little
-while it should hold. A judgement, a few times what that makes of a friction that is there."""
+"""Share of what dry friction or a hysteresis leaves that play, or a loop of the sensor, must take
+away in its place: behind a step that ends in one move a valve with play does the same as friction,
+and friction whose sign is rounded creeps a little while it should hold. A judgement, a few times
+what that makes of a friction that is there."""
 
 BESIDE_A_LOOP = (
     "softening",
