@@ -22,12 +22,13 @@ from softid.diagnosis.report.open_intersample import with_open_intersample
 from softid.diagnosis.report.other_forms import with_other_forms
 from softid.diagnosis.report.several_elements import with_several_elements
 from softid.diagnosis.report.tied_values import with_tied_values
-from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
+from softid.diagnosis.residual.disturbances import disturbance_issues
 from softid.diagnosis.residual.input_noise import moved_parameters, unknown_input, unsure_parameters
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.noise_model import noise_with_moments, refined_under
 from softid.diagnosis.residual.parameter_constancy import variations
+from softid.diagnosis.residual.spectral_line import Line, line_in, with_line
 from softid.diagnosis.search.backward_revision import refit_without
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.search.order_of_size import prefix_models

@@ -6,6 +6,7 @@ from softid.errors import entry_named
 from softid.synthesis.hidden_base import Hidden
 from softid.synthesis.hidden_heat import HEAT
 from softid.synthesis.hidden_inputs import INPUTS
+from softid.synthesis.hidden_loads import LOADS
 from softid.synthesis.hidden_motions import MOTIONS
 from softid.synthesis.hidden_outputs import OUTPUTS
 from softid.synthesis.hidden_random import RANDOM
@@ -21,6 +22,7 @@ HIDDEN: dict[str, Hidden] = {
         *OTHER_FORMS,
         *OUTSIDE,
         *SPRINGS,
+        *LOADS,
         *HEAT,
         *OUTPUTS,
         *SENSORS,

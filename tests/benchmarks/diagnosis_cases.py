@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.report.other_explanations import LAW_BESIDE, LIKE_UNLISTED_LAW
 from softid.diagnosis.report.remarks import WHAT_IT_IS
+from softid.diagnosis.report.unlisted_texts import LAW_BESIDE, LIKE_UNLISTED_LAW
 from softid.diagnosis_results import Diagnosis, Gain
 from softid.effects import EFFECTS, confusable_with
 from softid.identification import fit

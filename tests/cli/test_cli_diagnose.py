@@ -16,8 +16,8 @@ from extended_fits import extended_fit
 from handmade import failed_fit, fit_result
 from handmade_diagnosis import FRICTION, cause, diagnosis, estimate
 
-from softid.diagnosis.report.other_explanations import UNLISTED_LAW
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.report.unlisted_texts import UNLISTED_LAW
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import IdentificationError, Issue
 from softid.log import Log

@@ -11,7 +11,7 @@ from handmade_diagnosis import diagnosis
 
 from softid.diagnosis import completion, diagnose
 from softid.diagnosis.report.changes import CHANGE_POINT, HELD_OUT_CHANGE
-from softid.diagnosis.report.other_explanations import UNLISTED_LAW
+from softid.diagnosis.report.unlisted_texts import UNLISTED_LAW
 from softid.diagnosis_results import Verdict
 from softid.errors import Issue
 from softid.synthesis import hidden_pair

@@ -17,32 +17,30 @@ from softid.diagnosis.report.changes import (
     spell_issues,
 )
 from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
-from softid.diagnosis.report.held_excitation import held_experiments, is_held
+from softid.diagnosis.report.held_excitation import held_experiments
 from softid.diagnosis.report.other_model import UNASKED_MODEL
-from softid.diagnosis.report.phrases import percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
+from softid.diagnosis.report.unlisted_texts import (
+    LAW_BESIDE,
+    LIKE_UNLISTED_LAW,
+    UNLISTED_LAW,
+    unlisted_issue,
+)
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
+from softid.diagnosis.residual.disturbances import SHORT_EVENTS, SPECTRAL_LINE
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.backward_revision import refit_with_fewer
 from softid.diagnosis.verdict.beyond_catalogue import (
+    OUTDONE_RATIO,
     BeyondCatalogue,
     beyond_and_cause,
     beyond_catalogue,
 )
-from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, OF_LINEAR, UNLISTED_LAWS
-from softid.diagnosis.verdict.unlisted_names import UNLISTED
-from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
-from softid.diagnosis.verdict.unlisted_positions import PositionInertia
+from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, UNLISTED_LAWS
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.effects.base import Effect
 from softid.errors import Issue
 from softid.sentences import listed, lowered
-
-UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
-"""Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""
-
-LAW_BESIDE = "unlisted-law-beside"
-"""Code of the remark that one accounts for what causes or descriptions leave."""
 
 ONE_STEP = "one-step"
 """Code of the remark that a single step leaves the parameters open that what is held out needs."""
@@ -51,17 +49,14 @@ FAR_MORE, LEAST_LEFT = 3.0, 0.01
 """A law in no catalogue is not told where it leaves so many times what descriptions leave of the
 misfit above the noise; what these leave counts as a hundredth at least."""
 
-MOST_LAWS = 3
-"""Most laws of no catalogue that a sentence names."""
-
 EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
 """Codes of the remarks on what happened beside any law."""
 
-WHAT_IS_LEFT = "what is left "
-"""How that remark begins."""
-
 EVENT_BESIDE = "event-beside"
 """Code of the remark that what causes leave begins at one moment."""
+
+OF_A_DISTURBANCE = (SPECTRAL_LINE, SHORT_EVENTS)
+"""Codes of the remarks on a steady line and on short events."""
 
 OF_REST = (LAW_BESIDE, EVENT_BESIDE)
 """Codes of the remarks that say what it is that causes leave."""
@@ -71,8 +66,8 @@ OF_REST = (LAW_BESIDE, EVENT_BESIDE)
 class OtherExplanations:
     """Explanations of what a base leaves that are no causes; each base is looked at once.
 
-    Laws that a single cause may do as well count only against a cause: they are told of a base
-    where they have outdone one.
+    Laws that a single cause may do as well count against a cause only where they outdo it, and
+    against descriptions where they leave less.
     """
 
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
@@ -99,7 +94,7 @@ class OtherExplanations:
         excess = excess_of(candidate, base.scale)
         found = difference_issues(base)
         found = found or change_issues(candidate, base.scale, excess, alone=True)
-        if found or self.laws(base):
+        if found or self._beyond(base) is not None:
             return found
         return spell_issues(base) or change_issues(candidate, base.scale, excess)
 
@@ -112,10 +107,13 @@ class OtherExplanations:
             The base fit.
         taken
             Share of the misfit above the noise that descriptions take away: a law that leaves many
-            times as much is not what is missing.
+            times as much is not what is missing, nor is one that a single cause may do as well and
+            that leaves hardly less.
         """
-        found = self._beyond(base)
-        if found is None or 1.0 - found.share > FAR_MORE * max(1.0 - taken, LEAST_LEFT):
+        found, most = self._beyond(base), FAR_MORE
+        if found is None:
+            found, most = self._beyond_one(base), OUTDONE_RATIO
+        if found is None or 1.0 - found.share > most * max(1.0 - taken, LEAST_LEFT):
             return ()
         return (unlisted_issue(found, held=held_experiments(base.candidate.problem.logs)),)
 
@@ -135,10 +133,7 @@ class OtherExplanations:
         found = self._beyond(base)
         if found is not None and found.outdoes(cause):
             return True
-        if base not in self._near_one:
-            noise = noise_variance(base.candidate, base.scale)
-            self._near_one[base] = beyond_catalogue(base, noise, NEAR_ONE)
-        other = self._near_one[base]
+        other = self._beyond_one(base)
         if other is None or not other.outdoes(cause):
             return False
         self._laws[base] = other
@@ -159,6 +154,13 @@ class OtherExplanations:
             noise = noise_variance(base.candidate, base.scale)
             self._laws[base] = beyond_catalogue(base, noise)
         return self._laws[base]
+
+    def _beyond_one(self, base: BaseFit) -> BeyondCatalogue | None:
+        """One that a single cause may do as well."""
+        if base not in self._near_one:
+            noise = noise_variance(base.candidate, base.scale)
+            self._near_one[base] = beyond_catalogue(base, noise, NEAR_ONE)
+        return self._near_one[base]
 
 
 def with_other_explanations(
@@ -196,9 +198,18 @@ def with_other_explanations(
     return replace(
         answer,
         alternatives=() if told else answer.alternatives,  # a tie of descriptions says nothing
-        issues=(*answer.issues, *told),
+        issues=(*_not_of_a_law(answer.issues, told), *told),
         next_experiment=following[0] if following else answer.next_experiment,
     )
+
+
+def _not_of_a_law(known: Sequence[Issue], told: Sequence[Issue]) -> tuple[Issue, ...]:
+    """Remarks without marks of a disturbance, where one law takes away nearly all that holds them.
+
+    What rings after every move would pass for a pump.
+    """
+    is_whole = any(issue.code == UNLISTED_LAW for issue in told)
+    return tuple(issue for issue in known if not (is_whole and issue.code in OF_A_DISTURBANCE))
 
 
 def differing_log_issues(base: BaseFit) -> tuple[Issue, ...]:
@@ -326,65 +337,3 @@ def one_step_issue() -> Issue:
         "held out may be its parameters, which one step hardly tells, or something that is missing",
         SEVERAL_STEPS,
     )
-
-
-def unlisted_issue(
-    found: BeyondCatalogue,
-    *,
-    of_rest: bool = False,
-    is_tied: bool = False,
-    held: frozenset[str] = frozenset(),
-) -> Issue:
-    """Laws in no catalogue that account for a misfit, in words.
-
-    Parameters
-    ----------
-    found
-        The laws.
-    of_rest
-        Whether they were asked about what causes leave, and not about the whole misfit.
-    is_tied
-        Whether the best is told as what may stand in the place of a cause already.
-    held
-        Experiments that the logs hold, from `held_experiments`.
-    """
-    causes = listed([lowered(effect.title) for effect in found.beside])
-    together = f"{causes} together with " if causes and not of_rest else ""
-    take = "take" if together else "takes"
-    what = WHAT_IS_LEFT if of_rest else "what is missing "
-    what += "speaks for " if is_tied else f"behaves like {together}a law in no catalogue, "
-    whole = UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW
-    return Issue(
-        LAW_BESIDE if of_rest else whole,
-        "info",
-        f"{what}{_laws_of(found)}, which {take} away {percent(found.share)} of "
-        f"{'it' if of_rest else 'the misfit'} above the noise, and "
-        f"{percent(found.held_out_share)} on what is held out",
-        _to_see_it(found.laws[0], held),
-    )
-
-
-def _to_see_it(law: Effect, held: frozenset[str]) -> str:
-    """Where a law in no catalogue would show: in an experiment, or on the rig if that was done."""
-    elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
-    if is_held(law.shown_by, held):
-        return f"settle it on the rig, for these logs hold {law.shown_by} already: {law.remedy}"
-    return f"{elsewhere}record {law.shown_by}, where it would show"
-
-
-def _laws_of(found: BeyondCatalogue) -> str:
-    """The laws in words, with the size of the first."""
-    first, *others = [UNLISTED[law.name] for law in found.laws[:MOST_LAWS]]
-    return listed([f"{first}{_size_of(found)}", *others], last=" or ")
-
-
-def _size_of(found: BeyondCatalogue) -> str:
-    """The size of the first law, where it has a single one."""
-    if len(found.sizes) != 1:
-        return ""
-    ((value, unit),) = found.sizes
-    if unit == "1":
-        what = "over" if isinstance(found.laws[0], PositionInertia) else "of"
-        return f" ({100.0 * value:.2g} % {what} the range)"
-    of_what = " for the whole range" if isinstance(found.laws[0], RateLimit) else ""
-    return f" ({value:.3g} {unit}{of_what})"

@@ -14,19 +14,17 @@ from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.no_response import NO_RESPONSE
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
-from softid.diagnosis.report.other_explanations import (
-    EVENTS,
-    LAW_BESIDE,
-    LIKE_UNLISTED_LAW,
-    OF_REST,
-    ONE_STEP,
-    UNLISTED_LAW,
-    WHAT_IS_LEFT,
-)
+from softid.diagnosis.report.other_explanations import EVENTS, OF_REST, ONE_STEP
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.report.timing import UNCERTAIN_TIMES
+from softid.diagnosis.report.unlisted_texts import (
+    LAW_BESIDE,
+    LIKE_UNLISTED_LAW,
+    UNLISTED_LAW,
+    WHAT_IS_LEFT,
+)
 from softid.diagnosis.residual.disturbances import CODES, SPECTRAL_LINE
 from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER
 from softid.diagnosis.searches.smoothed_record import SMOOTHED_RECORD

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise, takewhile
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.held_out_difference import gain_beside_difference, held_out_difference
@@ -48,7 +48,7 @@ be that of a sensor, whose converter adds noise behind it."""
 LEAST_ALIKE = 3
 """Samples whose noise is alike behind a filter, at least, where it can be told from white noise."""
 
-FAST_SHARE, OF_MEAN = 0.3, 2.0
+FAST_SHARE, OF_MEAN = 0.3, 1.5
 """Share of the variance of second differences of samples far apart that those of neighbours have at
 least where fast noise is left, and the same times the number of samples between: in white noise it
 is 1. Behind a mean of k samples it is 2/3 over k; what a converter or rounding adds behind the
@@ -101,7 +101,9 @@ def with_doubts(
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
     told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
-    is_noisy = None if remainder.noise_from_rounding else has_fast_noise(final)
+    is_noisy = None
+    if not remainder.noise_from_rounding:
+        is_noisy = has_fast_noise(final, in_misfit=remainder.structured)
     pieces, is_alone = _pieces(chain, remainder, base), len(causes) == 1
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
@@ -142,7 +144,7 @@ def _pieces(chain: Chain, remainder: Remainder, base: BaseFit) -> frozenset[str]
     return (found - memories) | {key for key in taken.keys() - memories if taken[key] < least}
 
 
-def has_fast_noise(final: Candidate) -> bool | None:
+def has_fast_noise(final: Candidate, *, in_misfit: bool = False) -> bool | None:
     """Whether fast noise is left that a filter over the record would have taken away.
 
     Behind such a filter the noise of neighbouring samples is alike. A misfit that a filter follows,
@@ -152,6 +154,9 @@ def has_fast_noise(final: Candidate) -> bool | None:
     ----------
     final
         The model with all causes.
+    in_misfit
+        Whether more than noise is left. Samples far apart then differ by the misfit; behind a
+        filter those hardly apart do not differ by anything.
 
     Returns
     -------
@@ -166,8 +171,14 @@ def has_fast_noise(final: Candidate) -> bool | None:
         for part in heard(final, residual_context(final))
         for run in contiguous_runs(part.residual)
     ]
-    limit = max(FAST_SHARE, OF_MEAN / alike)
-    return fastest_part(runs).variance > limit * fastest_part(runs, alike).variance
+    fast = fastest_part(runs).variance
+    apart = (
+        takewhile(lambda n: n < alike, (LEAST_ALIKE * 2**k for k in count())) if in_misfit else ()
+    )
+    return any(
+        fast > max(FAST_SHARE, OF_MEAN / n) * fastest_part(runs, n).variance
+        for n in (*apart, alike)
+    )
 
 
 def _of_filter(doubt: Doubt | None, cause: Cause, *, is_noisy: bool | None) -> Doubt | None:

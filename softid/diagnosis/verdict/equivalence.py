@@ -240,6 +240,7 @@ ONE_FOR_ALL = EquivalenceClass(
         "uneven_delay",
         "feedthrough",
         "swinging_part",
+        "swinging_load",
     ),
     _IN_PLACE_OF_IT,
     "small and large steps from many positions, up and down, early and late",

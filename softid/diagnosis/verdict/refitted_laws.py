@@ -23,7 +23,7 @@ from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.multistart import driven
 from softid.effects import belongs_to
-from softid.effects.base import Effect, InputEffect
+from softid.effects.base import Effect, InputEffect, OutputEffect
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
@@ -40,9 +40,16 @@ PROMISING_RATIO = 2.0
 """Most times the sum of squares that the causes leave which what is put in their place may leave
 after its first evaluations."""
 
-LEAD_ASTRAY = ("input_limit", "relief_leak", "dead_zone", "rate_limit", "input_play")
-"""Laws of the input without which a base ends far from where it belongs: they bend the static
-curve, or keep back a part of every move."""
+LEAD_ASTRAY = (
+    "input_limit",
+    "relief_leak",
+    "dead_zone",
+    "rate_limit",
+    "input_play",
+    "swinging_load",
+)
+"""Laws without which a base ends far from where it belongs: they bend the static curve, keep back a
+part of every move, or ring in the place of the base."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +177,7 @@ def _starts(
         )
         for place in ((known, rough_base) if is_led_away else (known,))
     ]
-    if not (isinstance(laws[0], InputEffect) and laws[0].name in LEAD_ASTRAY):
+    if not (isinstance(laws[0], InputEffect | OutputEffect) and laws[0].name in LEAD_ASTRAY):
         return found
     bent = [
         start_unknowns(

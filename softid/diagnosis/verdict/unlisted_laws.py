@@ -29,6 +29,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
     one_parameter,
 )
+from softid.diagnosis.verdict.unlisted_loads import SwingingLoad
 from softid.diagnosis.verdict.unlisted_memories import (
     OwnBranches,
     PositionHysteresis,
@@ -220,6 +221,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     UnevenReading,
     Feedthrough,
     SwingingPart,
+    SwingingLoad,
     InputPlay,
     OutputPlay,
     ReadingHysteresis,
@@ -235,7 +237,7 @@ LAWS_BESIDE: tuple[type[Law], ...] = (
 )
 """Laws of no catalogue that only stand beside a cause, or in the place of one."""
 
-NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart, OwnBranches)
+NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart, SwingingLoad, OwnBranches)
 """Laws of no catalogue that a single cause may do as well: a leak may be next to none, and is a lag
 then, a valve or a sensor may be late up and down alike, what swings fast enough is late as a lag
 is, and logs may all begin on one branch."""

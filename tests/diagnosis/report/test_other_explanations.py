@@ -12,13 +12,15 @@ from handmade_diagnosis import cause, diagnosis
 from softid.diagnosis.report import other_explanations
 from softid.diagnosis.report.other_explanations import (
     EVENT_BESIDE,
+    OtherExplanations,
+    with_event_beside,
+    with_law_beside,
+)
+from softid.diagnosis.report.unlisted_texts import (
     LAW_BESIDE,
     LIKE_UNLISTED_LAW,
     UNLISTED_LAW,
-    OtherExplanations,
     unlisted_issue,
-    with_event_beside,
-    with_law_beside,
 )
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
 from softid.diagnosis.verdict.separations import STEPS
@@ -53,7 +55,36 @@ def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
 
     However many causes it is compared with, it is fitted to a base once.
     """
-    swings = BeyondCatalogue((SwingingPart(),), 0.99, 0.98, squares, 1.0)
+    asked = tip_that_swings(monkeypatch, squares)
+    others, base = OtherExplanations(), Base()
+    cause: Any = SimpleNamespace(squares=1.0)
+    assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
+    assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
+    told = others.laws(base, 0.99)  # type: ignore[arg-type]
+    assert [issue.code for issue in told] == [UNLISTED_LAW] * outdone
+    assert asked == [(), NEAR_ONE]
+
+
+@pytest.mark.parametrize(("taken", "told"), [(0.0, True), (0.98, True), (0.99, False)])
+def test_what_a_cause_may_do_as_well_is_told_where_none_does(
+    taken: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tip that swings leaves 1 %, which must be a tenth less than what descriptions leave; a
+    change that needs more than one number is looked for all the same."""
+    tip_that_swings(monkeypatch)
+    monkeypatch.setattr(other_explanations, "difference_issues", lambda base: ())
+    monkeypatch.setattr(other_explanations, "excess_of", lambda model, scale: 1.0)
+    monkeypatch.setattr(other_explanations, "change_issues", lambda *a, alone=False: ())
+    monkeypatch.setattr(other_explanations, "spell_issues", lambda base: (SPELL,))
+    others, base = OtherExplanations(), Base()
+    found = others.laws(base, taken)  # type: ignore[arg-type]
+    assert [issue.code for issue in found] == [UNLISTED_LAW] * told
+    assert others.events(base) == (SPELL,)  # type: ignore[arg-type]
+
+
+def tip_that_swings(monkeypatch: pytest.MonkeyPatch, squares: float = 1.0) -> list[Any]:
+    """Let a law that one cause may do as well be all that is found; what is asked for is listed."""
+    swings = BeyondCatalogue((SwingingPart(),), 0.99, 0.98, squares, 1.0, ((0.4, "s"),))
     asked: list[Any] = []
 
     def beyond(base: Any, noise: float, laws: Any = ()) -> BeyondCatalogue | None:
@@ -62,12 +93,7 @@ def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
 
     monkeypatch.setattr(other_explanations, "beyond_catalogue", beyond)
     monkeypatch.setattr(other_explanations, "noise_variance", lambda model, scale: 1.0)
-    others, base = OtherExplanations(), Base()
-    cause: Any = SimpleNamespace(squares=1.0)
-    assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
-    assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
-    assert [issue.code for issue in others.laws(base)] == [UNLISTED_LAW] * outdone  # type: ignore[arg-type]
-    assert asked == [(), NEAR_ONE]
+    return asked
 
 
 @pytest.mark.parametrize(
@@ -91,7 +117,8 @@ def test_a_law_that_leaves_far_more_than_descriptions_is_not_told(
         ({"change", "law", "spell"}, [JUMPS], [JUMPS.code]),
         ({"law", "spell", "mixed"}, [], [UNLISTED_LAW]),
         ({"spell", "mixed"}, [SPELL], [SPELL.code]),
-        ({"mixed"}, [MIXED], [MIXED.code]),
+        ({"mixed", "near one"}, [MIXED], [MIXED.code]),
+        ({"near one"}, [], [UNLISTED_LAW]),
         (set(), [], []),
     ],
 )
@@ -101,7 +128,8 @@ def test_the_order_in_which_they_are_asked(
     everything: list[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """One number for each log, one moment, one law, then what needs more; each is asked once."""
+    """One number for each log, one moment, one law, then what needs more, and a law that one cause
+    may do as well; each is asked once."""
     asked: list[str] = []
 
     def told(name: str, issue: Issue) -> tuple[Issue, ...]:
@@ -111,8 +139,8 @@ def test_the_order_in_which_they_are_asked(
     def change(model: Any, scale: Any, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
         return told("change", JUMPS) if alone else told("mixed", MIXED)
 
-    def law(base: Any, noise: float) -> BeyondCatalogue | None:
-        return LAW if told("law", MIXED) else None
+    def law(base: Any, noise: float, laws: Any = ()) -> BeyondCatalogue | None:
+        return LAW if told("near one" if laws is NEAR_ONE else "law", MIXED) else None
 
     monkeypatch.setattr(
         other_explanations, "difference_issues", lambda *a: told("difference", DIFFERS)

@@ -8,9 +8,9 @@ import pytest
 from handmade_diagnosis import DELAY, TIE, cause, diagnosis
 
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
-from softid.diagnosis.report.other_explanations import LAW_BESIDE, LIKE_UNLISTED_LAW
 from softid.diagnosis.report.remarks import LEAVE_A_SET
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.report.unlisted_texts import LAW_BESIDE, LIKE_UNLISTED_LAW
 from softid.diagnosis_results import Alternative, Diagnosis, Doubt, Variation, Verdict
 from softid.effects import EFFECTS
 from softid.errors import Issue

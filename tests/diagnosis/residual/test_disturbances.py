@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 from noise import ar1
 
-from softid.diagnosis.residual.disturbances import (
-    Line,
-    _regular,
-    disturbance_issues,
-    events_in,
-    line_in,
-)
+from softid.diagnosis.residual.disturbances import disturbance_issues, events_in
+from softid.diagnosis.residual.spectral_line import Line, _regular, line_in
 from softid.diagnosis.residual.structure import ResidualContext
 
 TIME_S = np.arange(0.0, 40.0, 0.01)
@@ -46,6 +41,26 @@ def test_a_steady_line_is_found() -> None:
     assert found is not None
     assert found.frequency_hz == pytest.approx(1.3123, abs=0.001)
     assert found.amplitude == pytest.approx(0.5, rel=0.1)
+
+
+def test_a_line_is_told_from_swings_that_begin_again_and_again() -> None:
+    """Swings of 1.3 Hz that each of 13 moves sets off; and a line, beside as much noise."""
+    begins = np.sort(np.random.default_rng(3).uniform(0.0, 40.0, 13))
+    ups = np.where(np.arange(13) % 2, -1.0, 1.0)
+    moved = sum(up * (begin <= TIME_S) for up, begin in zip(ups, begins, strict=True))
+    number = np.searchsorted(begins, TIME_S, side="right") - 1
+    late_s = TIME_S - begins[np.maximum(number, 0)]
+    ringing = np.where(number < 0, 0.0, ups[number] * np.exp(-late_s / 4.0))
+    swings = ringing * np.sin(2.0 * np.pi * 1.3 * late_s)
+    steady = 0.3 * np.sin(2.0 * np.pi * 1.3 * TIME_S)
+    for line, in_step in ((swings, False), (steady, True)):
+        found = line_in(left(0.3 * noise(2) + 4.0 * line, 100.0 * moved))
+        assert found is not None
+        assert found.in_step is in_step
+        told = disturbance_issues(
+            left(noise(2)), 0.2, found, channel="angle", unit="deg", factor=1.0
+        )[0]
+        assert ("begin with the moves" in told.remedy) is not in_step
 
 
 def test_a_line_in_pairs_of_samples_is_found() -> None:
