@@ -59,7 +59,7 @@ LEAST_OUTSIDE = 0.4
 exceptions."""
 
 BEGINNING = 0.1
-"""What begins in this share of a log is no spell, for much relaxes after the first motion."""
+"""What begins in this share of a log may be no spell, for much relaxes after the first motion."""
 
 INSIDE_SHARE = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
@@ -80,6 +80,8 @@ class Spells:
         Sums of squares of the first output in the spells: what that model leaves, and the noise.
     is_met
         Whether the positions and speeds of the spells are met outside of them, too.
+    begins_early, ends_last
+        Whether the first of them begins with the log, and the last lasts to its end.
     """
 
     spans_s: tuple[tuple[float, float], ...]
@@ -87,6 +89,13 @@ class Spells:
     before: float
     noise: float
     is_met: bool
+    begins_early: bool
+    ends_last: bool
+
+    @property
+    def is_one_part(self) -> bool:
+        """Whether it is one spell, which parts a log in two."""
+        return len(self.spans_s) == 1 and self.begins_early != self.ends_last
 
 
 def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells | None:
@@ -228,14 +237,14 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     if before < LEAST_CONTRAST * variance * np.count_nonzero(inside):
         return None
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (~outside).astype(int), [0]))))
-    if edges[0] < BEGINNING * len(log):
-        return None
     spans = tuple(
         (float(log.time_s[begin]), float(log.time_s[end - 1]))
         for begin, end in edges.reshape(-1, 2).tolist()
     )
     noise_there = variance * np.count_nonzero(inside)
-    return Spells(spans, model, before, noise_there, _are_covered(model, outside))
+    begins_early, ends_last = bool(edges[0] < BEGINNING * len(log)), bool(edges[-1] == len(log))
+    is_met = _are_covered(model, outside)
+    return Spells(spans, model, before, noise_there, is_met, begins_early, ends_last)
 
 
 def _are_covered(model: Candidate, outside: BoolArray) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -23,6 +23,7 @@ from softid.diagnosis.changes.log_differences import (
     LogDifferences,
     log_differences,
     squares_of,
+    squares_with,
     standing_over,
 )
 from softid.diagnosis.changes.pooling import own_parameters
@@ -74,6 +75,9 @@ LOOK_THEN = (
     "lost samples, and diagnose what comes before and after it apart"
 )
 """What to do about a moment or a spell."""
+
+PARTS_A_LOG = 0.985
+"""Share of the misfit of a part of a log that one number takes away which parts it in two."""
 
 FOLLOWED_RATIO = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
@@ -172,36 +176,36 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     judges = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
     found = []
     for log in base.whole_logs:
-        spells, change = _spells_and_change(log, fit, noise, base)
-        if spells is None:
+        spells = spells_of(log, fit, noise)
+        change = None if spells is None else _change_in(log, spells, base)
+        elsewhere: list[int | None] = []
+        if spells is not None:
+            elsewhere = [spells_elsewhere(other, spells.reference, noise) for other in judges]
+        if spells is None or not _is_event(log, spells, change, elsewhere, base):
             if not _is_followed(log, fit, noise):
                 return ()  # what one log has throughout is no event in another
             continue
-        others = [spells_elsewhere(other, spells.reference, noise) for other in judges]
-        if None in others:
+        lasts_in = [other for other, count in zip(judges, elsewhere, strict=True) if count is None]
+        if lasts_in and not _has_lasted(spells, change, lasts_in, base):
             return ()
         like = OUTSIDE_NOISE if change is None else DifferenceTexts.of(problem).in_spell(change)
+        names = listed([other.name for other in lasts_in])
+        like += f"; {names} {'has' if len(lasts_in) == 1 else 'have'} it throughout" * bool(names)
         found.append(
             Issue(
                 CHANGE_POINT,
                 "warning",
                 f"the misfit of {first} is confined to {_when(spells, log)} of {log.name}"
-                f"{like}{RECURS if any(others) else ''}",
+                f"{like}{RECURS if any(elsewhere) else ''}",
                 LOOK_THEN,
             )
         )
     return tuple(found)
 
 
-def _spells_and_change(
-    log: Log, fit: Callable[[Log], Candidate], noise: float, base: BaseFit
-) -> tuple[Spells | None, LogDifferences | None]:
-    """The spells of a log and what changes in them; nothing where it may be a law or a jump."""
-    spells = spells_of(log, fit, noise)
-    motion_s = base.scale.motion_s
-    if spells is None or all(is_of_a_jump(log, span, motion_s) for span in spells.spans_s):
-        return None, None
-    change = log_differences(
+def _change_in(log: Log, spells: Spells, base: BaseFit) -> LogDifferences | None:
+    """What changes in the spells of a log; nothing where none known does."""
+    return log_differences(
         spells.reference,
         base.scale,
         [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s],
@@ -209,9 +213,43 @@ def _spells_and_change(
         noise=spells.noise,
         zero_counts=True,
     )
-    if spells.is_met or is_clock_jump(change, spells.reference, base.scale, base.sigma):
-        return spells, change
-    return None, None
+
+
+def _is_event(
+    log: Log,
+    spells: Spells,
+    change: LogDifferences | None,
+    elsewhere: Sequence[int | None],
+    base: BaseFit,
+) -> bool:
+    """Whether spells are no law, and no jump of the input.
+
+    What begins with the log, or moves as nothing else in it, may be a law. It is none where one
+    number parts the log in two, and what is held out follows the later part from its start on.
+    """
+    if all(is_of_a_jump(log, span, base.scale.motion_s) for span in spells.spans_s):
+        return False
+    if spells.is_one_part and change is not None and change.share > PARTS_A_LOG:
+        later = None if spells.ends_last else 0
+        if elsewhere and all(count == later for count in elsewhere):
+            return True
+    if spells.begins_early:
+        return False
+    return spells.is_met or is_clock_jump(change, spells.reference, base.scale, base.sigma)
+
+
+def _has_lasted(
+    spells: Spells, change: LogDifferences | None, judges: Sequence[Log], base: BaseFit
+) -> bool:
+    """Whether logs are followed with what changes in the last spell of another one."""
+    if change is None or not (spells.is_one_part and spells.ends_last):
+        return False
+    noise = noise_variance(base.candidate, base.scale)
+    return all(
+        squares_with(spells.reference, base.scale, [log], change)
+        < FOLLOWED_RATIO * noise * log.time_s.size
+        for log in judges
+    )
 
 
 def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> bool:

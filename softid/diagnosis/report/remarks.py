@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from softid.diagnosis.changes.zero_jumps import ZERO_JUMP
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
-from softid.diagnosis.report.changes import HELD_OUT_CHANGE
+from softid.diagnosis.report.changes import CHANGE_POINT, HELD_OUT_CHANGE
 from softid.diagnosis.report.clipped_input import CLIPPED_INPUT
 from softid.diagnosis.report.issues import BEGUN_ANEW, NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
@@ -142,7 +142,7 @@ def _seen(found: Diagnosis) -> tuple[str, ...]:
     """The remarks on the logs that belong into the paragraph.
 
     That a first cycle leaves a set is told of one log, and not where a cause that does so is named,
-    or tied with what is.
+    or tied with what is, nor where something changed at a moment, which leaves one, too.
     """
     named = {cause.effect for cause in found.causes}
     if named:
@@ -150,7 +150,8 @@ def _seen(found: Diagnosis) -> tuple[str, ...]:
     codes: tuple[str, ...] = ALWAYS_SEEN
     if found.verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
         codes = (*ALWAYS_SEEN, NEARLY_STATIC)
-        if named.isdisjoint(LEAVE_A_SET):
+        changed = any(issue.code == CHANGE_POINT for issue in found.issues)
+        if named.isdisjoint(LEAVE_A_SET) and not changed:
             codes = (*codes, RESIDUAL_SET)
     seen = [issue for issue in found.issues if issue.code in codes]
     sets = [issue for issue in seen if issue.code == RESIDUAL_SET]

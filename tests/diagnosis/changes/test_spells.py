@@ -24,7 +24,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
 from softid.diagnosis_results import Verdict
-from softid.errors import InputError
+from softid.errors import InputError, Issue
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
@@ -90,11 +90,6 @@ def test_what_goes_on_throughout_is_in_no_spell(name: str) -> None:
     assert spells_of(log, fit, NOISE**2) is None
 
 
-def test_what_begins_with_the_log_is_no_spell() -> None:
-    """It may as well be something that relaxes."""
-    assert spells_of(log_of(changed((-1.0, 14.0))), fit, NOISE**2) is None
-
-
 def test_a_model_that_follows_nothing_has_no_spells() -> None:
     """What is loud everywhere, and a third that nothing was measured in."""
     far = linear_angle(TIME_S, pressure()) + 5.0 * np.sin(7.0 * TIME_S) * np.exp(TIME_S / 20.0)
@@ -136,6 +131,37 @@ def test_a_spell_is_told_where_the_rest_predicts_what_judges(
     issues = spell_issues(base)
     assert bool(issues) is is_told
     assert any("snap" in issue.message for issue in issues) is recurs
+
+
+def issues_beside(train: Array, *judges: Array) -> tuple[Issue, ...]:
+    """What is told of spells in a log when others judge."""
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    hold_out = tuple(log_of(judge, seed=1 + k) for k, judge in enumerate(judges))
+    return spell_issues(request.fit_base(LogSet((log_of(train),)), hold_out, thorough=False))
+
+
+ALWAYS, NEVER = (-1.0, 41.0), (50.0, 51.0)
+
+
+def test_what_goes_on_in_what_judges_is_told_of_the_moment_it_began() -> None:
+    """A stiffness changes at 25 s for good. What judges in part has neither, or another one."""
+    train = changed((25.0, 41.0))
+    (issue,) = issues_beside(train, changed(ALWAYS))
+    assert re.search(r"confined to 2[45]\.\d s to the end of log-0: there ", issue.message)
+    assert issue.message.endswith("; log-1 has it throughout")
+    assert "throughout" not in issues_beside(train, changed(NEVER))[0].message
+    late = np.interp(TIME_S - 0.05, TIME_S, pressure())
+    assert issues_beside(train, linear_angle(TIME_S, late)) == ()
+    assert issues_beside(changed((12.0, 17.0)), changed(ALWAYS)) == ()
+
+
+def test_what_begins_with_the_log_may_relax() -> None:
+    """A stiffness changes at 14 s, which tells where what judges follows what comes later."""
+    train = changed((-1.0, 14.0))
+    assert issues_beside(train) == ()
+    assert issues_beside(train, train) == ()
+    (issue,) = issues_beside(train, changed(NEVER))
+    assert re.search(r"confined to [01]\.\d to 1[34]\.\d s of log-0: there ", issue.message)
 
 
 def test_what_is_over_when_a_jump_has_settled_is_of_the_jump() -> None:

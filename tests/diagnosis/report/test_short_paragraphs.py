@@ -8,6 +8,7 @@ import pytest
 from handmade_diagnosis import DELAY, TIE, cause, diagnosis
 
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
+from softid.diagnosis.report.changes import CHANGE_POINT
 from softid.diagnosis.report.remarks import LEAVE_A_SET
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.report.unlisted_texts import LAW_BESIDE, LIKE_UNLISTED_LAW
@@ -24,7 +25,7 @@ def told(found: Diagnosis) -> str:
 
 
 def test_a_set_is_told_once_and_not_beside_what_leaves_one() -> None:
-    """Of two logs the first; a named creep or a tie with one explains it."""
+    """Of two logs the first; a named creep, a tie with one or what changed at once explains it."""
     found = replace(diagnosis(Verdict.PARTIAL), issues=SETS, alternatives=())
     text = told(found)
     assert "Log 1 keeps a set." in text
@@ -35,6 +36,8 @@ def test_a_set_is_told_once_and_not_beside_what_leaves_one() -> None:
     assert "keeps a set" not in told(replace(found, alternatives=(tie,)))
     unknown = replace(diagnosis(Verdict.UNKNOWN), issues=SETS, alternatives=(tie,))
     assert "Log 1 keeps a set." in told(unknown)  # a tie of descriptions explains nothing
+    moment = Issue(CHANGE_POINT, "warning", "the misfit begins at 3 s", "look then")
+    assert "keeps a set" not in told(replace(unknown, issues=(*SETS, moment)))
 
 
 def test_what_leaves_a_set_is_in_the_catalogue() -> None:
