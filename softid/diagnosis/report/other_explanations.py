@@ -244,7 +244,8 @@ def with_law_beside(
     """The diagnosis with a law in no catalogue that explains what causes leave.
 
     Where no cause is named, it may stand beside another cause than those that are described: the
-    best one alone is not always one of two.
+    best one alone is not always one of two. It is not told where these leave less, also on what is
+    held out.
 
     Parameters
     ----------
@@ -262,6 +263,8 @@ def with_law_beside(
     noise = noise_variance(base.candidate, base.scale)
     is_unknown = answer.verdict is Verdict.UNKNOWN
     found = beyond_and_cause(base, noise, effects) if is_unknown else None
+    if found is not None and final.squares < found.squares:
+        found = None if answer.remainder.held_out_share > found.held_out_share else found
     of_rest = found is None
     if of_rest and final.effects:
         found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)

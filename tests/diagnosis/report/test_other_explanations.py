@@ -159,17 +159,29 @@ def test_the_order_in_which_they_are_asked(
 
 
 @pytest.mark.parametrize(
-    ("verdict", "structured", "asked"),
+    ("verdict", "structured", "leaves", "held_share", "asked", "code"),
     [
-        (Verdict.UNKNOWN, True, ["both"]),
-        (Verdict.PARTIAL, True, ["beside"]),
-        (Verdict.PARTIAL, False, []),
+        (Verdict.UNKNOWN, True, 2.0, 0.99, ["both"], UNLISTED_LAW),
+        (Verdict.UNKNOWN, True, 0.5, 0.9, ["both"], UNLISTED_LAW),
+        (Verdict.UNKNOWN, True, 0.5, 0.99, ["both", "beside"], LAW_BESIDE),
+        (Verdict.PARTIAL, True, 2.0, 0.99, ["beside"], LAW_BESIDE),
+        (Verdict.PARTIAL, False, 2.0, 0.99, [], None),
     ],
 )
 def test_a_law_beside_causes_is_asked_where_they_leave_something(
-    verdict: Verdict, structured: bool, asked: list[str], monkeypatch: pytest.MonkeyPatch
+    verdict: Verdict,
+    structured: bool,
+    leaves: float,
+    held_share: float,
+    asked: list[str],
+    code: str | None,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Beside all causes where they have names, and together with another one where none has."""
+    """Beside all causes where they have names, and together with another one where none has.
+
+    Both together leave 1, and take 98 % on what is held out: they are told unless descriptions
+    outdo them on either.
+    """
     met = []
 
     def both(*args: Any) -> BeyondCatalogue:
@@ -183,19 +195,17 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
     monkeypatch.setattr(other_explanations, "beyond_and_cause", both)
     monkeypatch.setattr(other_explanations, "beyond_catalogue", law)
     monkeypatch.setattr(other_explanations, "noise_variance", lambda *args: 1.0)
-    found = diagnosis(verdict)
-    found = replace(found, remainder=replace(found.remainder, structured=structured))
-    base, final = cast(Any, Base()), cast(Any, SimpleNamespace(effects=(effect_of("creep"),)))
+    found, effects = diagnosis(verdict), (effect_of("creep"),)
+    left = replace(found.remainder, structured=structured, held_out_share=held_share)
+    found = replace(found, remainder=left)
+    base, final = cast(Any, Base()), cast(Any, SimpleNamespace(effects=effects, squares=leaves))
     answer = with_law_beside(found, base, final, ())
     assert met == asked
     told = answer.issues[len(found.issues) :]
-    assert [issue.code for issue in told] == [
-        UNLISTED_LAW if name == "both" else LAW_BESIDE for name in asked
-    ]
+    assert [issue.code for issue in told] == ([code] if code else [])
     for issue in told:
-        assert ("creep of the material together with a law" in issue.message) is (
-            verdict is Verdict.UNKNOWN
-        )
+        together = "creep of the material together with a law" in issue.message
+        assert together is (code == UNLISTED_LAW)
     assert with_law_beside(answer, base, final, ()) is answer or not asked
 
 
