@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -78,6 +78,10 @@ LOOK_THEN = (
 
 PARTS_A_LOG = 0.985
 """Share of the misfit of a part of a log that one number takes away which parts it in two."""
+
+MORE_THAN_NOISE = 0.3
+"""What one number leaves above the noise, as a share of it, from which on something else may be
+missing, too."""
 
 FOLLOWED_RATIO = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
@@ -166,8 +170,68 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     base
         The base fit to the logs.
     """
-    problem = base.candidate.problem
-    first, noise = problem.outputs[0], noise_variance(base.candidate, base.scale)
+    texts, first = DifferenceTexts.of(base.candidate.problem), base.candidate.problem.outputs[0]
+    return tuple(
+        Issue(
+            CHANGE_POINT,
+            "warning",
+            f"the misfit of {first} is confined to {_when(event.spells, event.log)} of "
+            f"{event.log.name}"
+            f"{OUTSIDE_NOISE if event.change is None else texts.in_spell(event.change)}"
+            f"{_throughout(event.lasts_in)}{RECURS if event.recurs else ''}",
+            LOOK_THEN,
+        )
+        for event in _events_in(base)
+    )
+
+
+def is_parted(base: BaseFit, excess: float) -> bool:
+    """Whether one number that changed within a log leaves nothing else to look for.
+
+    Parameters
+    ----------
+    base
+        The base fit to the logs.
+    excess
+        As in `change_issues`.
+    """
+    found = change_point(base.candidate, base.scale, excess)
+    if found is not None and found.kind:
+        return (1.0 - found.share) * excess < MORE_THAN_NOISE
+    events = _events_in(base)
+    return bool(events) and all(
+        event.spells.is_one_part
+        and event.change is not None
+        and (1.0 - event.change.share) * (event.spells.before / event.spells.noise - 1.0)
+        < MORE_THAN_NOISE
+        for event in events
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Event:
+    """What happened for a while, or from one moment on.
+
+    Attributes
+    ----------
+    log, spells, change
+        The log, when it was, and the number that changes then, if it is one.
+    lasts_in
+        Logs to judge by that have it throughout.
+    recurs
+        Whether others have such spells.
+    """
+
+    log: Log
+    spells: Spells
+    change: LogDifferences | None
+    lasts_in: Sequence[Log]
+    recurs: bool
+
+
+def _events_in(base: BaseFit) -> list[_Event]:
+    """What happened in each fitted log; nothing where another one shows that it may be a law."""
+    noise = noise_variance(base.candidate, base.scale)
 
     @cache  # the whole of a log is fitted as its first part, and to see that it is followed
     def fit(log: Log) -> Candidate:
@@ -183,24 +247,19 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             elsewhere = [spells_elsewhere(other, spells.reference, noise) for other in judges]
         if spells is None or not _is_event(log, spells, change, elsewhere, base):
             if not _is_followed(log, fit, noise):
-                return ()  # what one log has throughout is no event in another
+                return []  # what one log has throughout is no event in another
             continue
         lasts_in = [other for other, count in zip(judges, elsewhere, strict=True) if count is None]
         if lasts_in and not _has_lasted(spells, change, lasts_in, base):
-            return ()
-        like = OUTSIDE_NOISE if change is None else DifferenceTexts.of(problem).in_spell(change)
-        names = listed([other.name for other in lasts_in])
-        like += f"; {names} {'has' if len(lasts_in) == 1 else 'have'} it throughout" * bool(names)
-        found.append(
-            Issue(
-                CHANGE_POINT,
-                "warning",
-                f"the misfit of {first} is confined to {_when(spells, log)} of {log.name}"
-                f"{like}{RECURS if any(elsewhere) else ''}",
-                LOOK_THEN,
-            )
-        )
-    return tuple(found)
+            return []
+        found.append(_Event(log, spells, change, lasts_in, any(elsewhere)))
+    return found
+
+
+def _throughout(logs: Sequence[Log]) -> str:
+    """That some logs are as another one is at its end."""
+    names = listed([log.name for log in logs])
+    return f"; {names} {'has' if len(logs) == 1 else 'have'} it throughout" if names else ""
 
 
 def _change_in(log: Log, spells: Spells, base: BaseFit) -> LogDifferences | None:

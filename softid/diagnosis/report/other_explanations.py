@@ -13,6 +13,7 @@ from softid.diagnosis.report.changes import (
     HELD_OUT_CHANGE,
     change_issues,
     difference_issues,
+    is_parted,
     own_parameter_issues,
     spell_issues,
 )
@@ -72,6 +73,7 @@ class OtherExplanations:
 
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
     _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
+    _parted: dict[BaseFit, bool] = field(default_factory=dict, repr=False)
     _near_one: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
 
     def events(self, base: BaseFit) -> tuple[Issue, ...]:
@@ -138,6 +140,18 @@ class OtherExplanations:
             return False
         self._laws[base] = other
         return True
+
+    def part(self, base: BaseFit) -> bool:
+        """Whether one number that changed within a log leaves nothing else to look for.
+
+        Parameters
+        ----------
+        base
+            The base fit.
+        """
+        if base not in self._parted:
+            self._parted[base] = is_parted(base, excess_of(base.candidate, base.scale))
+        return self._parted[base]
 
     def all(self, base: BaseFit, taken: float = 0.0) -> tuple[Issue, ...]:
         """The events, or where there is none a law in no catalogue.

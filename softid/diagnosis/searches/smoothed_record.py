@@ -76,8 +76,9 @@ def smoothed_issue(smoothed: Candidate) -> Issue:
     return Issue(
         SMOOTHED_RECORD,
         "info",
-        f"{smoothed.problem.outputs[0]} was smoothed after it was recorded: readings within "
-        f"{within_s:.2g} s of each other have noise in common; a model that allows for that leaves "
-        "nothing else, and does not surely predict better, so there is nothing to name",
+        f"{smoothed.problem.outputs[0]} looks as if it was smoothed after it was recorded, or "
+        f"moved by what its input does between samples: readings within {within_s:.2g} s of each "
+        "other have noise in common; a model that allows for that leaves nothing else, and does "
+        "not surely predict better, so there is nothing to name",
         effect.remedy,
     )

@@ -42,6 +42,9 @@ class Explanations(Protocol):
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
         """Whether an explanation is so much better than the best cause that no search is needed."""
 
+    def part(self, base: BaseFit) -> bool:
+        """Whether one number that changed within a log leaves nothing else to look for."""
+
 
 def search_causes(
     recordings: Recordings,
@@ -80,17 +83,11 @@ def search_causes(
     if search.leaves_structure(first) and others.outdo(search.base, first.final):
         return search.judged(first, None).without_names, search
     found = search.search(first)
-    inner = search_without_ends(recordings, request, search, found)
-    if inner is not None:
-        return inner
-    if is_in_doubt and found.remainder.structured and found.chain.links:
-        timed = search_with_jump_moments(recordings, request, search, found.chain)
-        if timed is not None:
-            return timed
-    if found.remainder.structured:
-        steady = search_without_zero_jumps(recordings, request, search, found)
-        if steady is not None:
-            return steady
+    if found.remainder.structured and not found.is_sure and others.part(search.base):
+        return found.without_names, search
+    mended = _over_mended_logs(recordings, request, search, found, is_in_doubt=is_in_doubt)
+    if mended is not None:
+        return mended
     if not found.came_to_nothing:
         return _from_another_cause(found, search), search
     alone = search.without_causes()
@@ -106,6 +103,25 @@ def search_causes(
         if not found.came_to_nothing:
             return found, search
     return search.search_from_multistart(found) or search.search_from_other_causes(found), search
+
+
+def _over_mended_logs(
+    recordings: Recordings,
+    request: Request,
+    search: CauseSearch,
+    found: SearchResult,
+    *,
+    is_in_doubt: bool,
+) -> Searched | None:
+    """What is found without what a filter made of ends, between jumps, or after a jump of zero."""
+    inner = search_without_ends(recordings, request, search, found)
+    if inner is not None or not found.remainder.structured:
+        return inner
+    if is_in_doubt and found.chain.links:
+        timed = search_with_jump_moments(recordings, request, search, found.chain)
+        if timed is not None:
+            return timed
+    return search_without_zero_jumps(recordings, request, search, found)
 
 
 def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResult:

@@ -22,7 +22,8 @@ from softid.diagnosis.changes.spells import (
 )
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
+from softid.diagnosis.report.changes import CHANGE_POINT, is_parted, spell_issues
+from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis_results import Verdict
 from softid.errors import InputError, Issue
 from softid.log import Log, LogSet
@@ -153,6 +154,25 @@ def test_what_goes_on_in_what_judges_is_told_of_the_moment_it_began() -> None:
     late = np.interp(TIME_S - 0.05, TIME_S, pressure())
     assert issues_beside(train, linear_angle(TIME_S, late)) == ()
     assert issues_beside(changed((12.0, 17.0)), changed(ALWAYS)) == ()
+
+
+@pytest.mark.parametrize(
+    ("spans", "swing", "parted"),
+    [
+        ((25.0, 41.0), 0.0, True),
+        ((25.0, 41.0), 0.03, False),
+        ((12.0, 17.0), 0.0, False),
+        ((50.0, 51.0), 0.0, False),
+    ],
+)
+def test_one_number_may_leave_nothing_else_to_look_for(
+    spans: tuple[float, float], swing: float, parted: bool
+) -> None:
+    """A stiffness that changes for good; a swing beside it, one spell or nothing is no such log."""
+    log = log_of(changed(spans) + swing * np.sin(0.9 * TIME_S))
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((log,)), (log_of(changed(ALWAYS), seed=1),), thorough=False)
+    assert is_parted(base, excess_of(base.candidate, base.scale)) is parted
 
 
 def test_what_begins_with_the_log_may_relax() -> None:

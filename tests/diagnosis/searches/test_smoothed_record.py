@@ -73,7 +73,7 @@ def test_noise_behind_a_filter_is_no_misfit(
     assert not found.causes
     assert not found.alternatives
     assert (SMOOTHED_RECORD in {issue.code for issue in found.issues}) is is_told
-    assert ("was smoothed after it was recorded" in found.summary) is is_told
+    assert ("as if it was smoothed after it was recorded" in found.summary) is is_told
     assert ("has the marks of slow noise" in found.summary) is not is_told
 
 

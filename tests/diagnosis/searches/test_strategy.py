@@ -29,6 +29,16 @@ from softid.diagnosis.searches.strategy import BETTER_BASE, search_causes, searc
 from softid.diagnosis_results import Remainder
 
 
+def explanations(**known: Any) -> Any:
+    """No explanation but a known one."""
+    none = {
+        "all": lambda base: (),
+        "outdo": lambda base, cause: False,
+        "part": lambda base: False,
+    }
+    return SimpleNamespace(**{**none, **known})
+
+
 @pytest.fixture(autouse=True)
 def no_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
     """No sensor slips in logs that nobody made."""
@@ -45,7 +55,7 @@ def test_what_is_sure_without_a_jump_stands_where_structure_is_left(
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": known}, by=[]))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
-    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    others = explanations()
     request: Any = SimpleNamespace()
     answer = search_causes(recordings, request, search_over(), others)
     assert (answer is steady) is stands
@@ -82,7 +92,7 @@ def test_other_searches_follow_one_that_came_to_nothing(
     monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: known)
     request: Any = SimpleNamespace(fit_base=lambda *args, thorough: base_fit(again))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
-    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    others = explanations()
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     answer, search = search_causes(recordings, request, search_over(), others)
     answers_by_name = {"first": first, "alone": alone, "again": better, "other": other}
@@ -104,7 +114,7 @@ def test_no_other_search_follows_where_the_misfit_is_explained(
         asked.append(base.candidate.squares)
         return ("a load that slipped",)
 
-    others: Any = SimpleNamespace(all=explained, outdo=lambda base, cause: False)
+    others = explanations(all=explained)
     unused: Any = None
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     answer, _ = search_causes(unused, unused, search_over(), others)
@@ -124,10 +134,28 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
     monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
     monkeypatch.setattr(CauseSearch, "judged", lambda self, chain, first: NOTHING)
     monkeypatch.setattr(CauseSearch, "search", lambda self, first: NAMED)
-    others: Any = SimpleNamespace(outdo=lambda base, cause: outdone)
+    others = explanations(outdo=lambda base, cause: outdone)
     unused: Any = None
     answer, _ = search_causes(unused, unused, search_over(), others)
     assert answer == (NOTHING if ends else NAMED)
+
+
+@pytest.mark.parametrize(
+    ("left", "parted", "ends"),
+    [(STRUCTURE, True, True), (STRUCTURE, False, False), (NOISE, True, False)],
+)
+def test_a_number_that_parts_a_log_ends_the_search(
+    left: Remainder, parted: bool, ends: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """If the causes leave more than noise; they are no more than descriptions then."""
+    found, other = replace(NAMED, remainder=left), replace(NAMED, remainder=NOISE)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
+    monkeypatch.setattr(CauseSearch, "search", lambda self, first: found)
+    monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: other)
+    monkeypatch.setattr(strategy, "is_likelier", lambda *args: True)
+    unused: Any = None
+    answer, _ = search_causes(unused, unused, search_over(), explanations(part=lambda base: parted))
+    assert any(answer.is_named) is not ends
 
 
 def answered(
@@ -138,7 +166,7 @@ def answered(
 ) -> tuple[SearchResult, list[Chain]]:
     """The answer where the search finds one thing and other first causes another, and the chains
     behind which these were asked for."""
-    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    others = explanations()
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": found}, by=[]))
     asked: list[Chain] = []
