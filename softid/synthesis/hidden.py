@@ -6,7 +6,6 @@ from softid.errors import entry_named
 from softid.synthesis.hidden_base import Hidden
 from softid.synthesis.hidden_heat import HEAT
 from softid.synthesis.hidden_inputs import INPUTS
-from softid.synthesis.hidden_loads import LOADS
 from softid.synthesis.hidden_motions import MOTIONS
 from softid.synthesis.hidden_outputs import OUTPUTS
 from softid.synthesis.hidden_random import RANDOM
@@ -14,21 +13,20 @@ from softid.synthesis.hidden_sensors import SENSORS
 from softid.synthesis.hidden_springs import SPRINGS
 from softid.synthesis.hidden_strange import OTHER_FORMS, OUTSIDE
 
-HIDDEN: dict[str, Hidden] = {
-    hidden.name: hidden
-    for hidden in (
-        *INPUTS,
-        *MOTIONS,
-        *OTHER_FORMS,
-        *OUTSIDE,
-        *SPRINGS,
-        *LOADS,
-        *HEAT,
-        *OUTPUTS,
-        *SENSORS,
-        *RANDOM,
-    )
-}
+ENTRIES: tuple[Hidden, ...] = (
+    *INPUTS,
+    *MOTIONS,
+    *OTHER_FORMS,
+    *OUTSIDE,
+    *SPRINGS,
+    *HEAT,
+    *OUTPUTS,
+    *SENSORS,
+    *RANDOM,
+)
+"""All of them, each with a name of its own."""
+
+HIDDEN: dict[str, Hidden] = {hidden.name: hidden for hidden in ENTRIES}
 
 
 def names_of(relation: str) -> tuple[str, ...]:

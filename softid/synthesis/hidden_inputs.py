@@ -219,8 +219,8 @@ def _periodic_gain(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw
 
 
 def _pressure_gain_drift(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
-    del sizes
-    rate = values["lost"] / occasion.duration_s
+    del occasion
+    rate = values["lost"] / sizes.duration_s
 
     def act(t: float, p: float, z: States) -> tuple[float, Rates]:
         return p * (1.0 - rate * t), NO_RATES
@@ -327,7 +327,8 @@ INPUTS: tuple[Hidden, ...] = (
         }, _periodic_gain, relation="outside",
     ),
     entry(
-        "pressure_gain_drift", "input", "pa = p (1 - lost t/duration)", "lost 1",
+        "pressure_gain_drift", "input", "pa = p (1 - lost t/T), T the length of the first log",
+        "lost 1",
         lambda s, rng, size: {"lost": min(about(rng, 0.1 * size), 0.8)},
         _pressure_gain_drift, relation="outside",
     ),

@@ -158,8 +158,8 @@ def _inertia_slope(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLa
 
 
 def _damping_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
-    del sizes
-    rate = values["change"] / occasion.duration_s
+    del occasion
+    rate = values["change"] / sizes.duration_s
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
         parts.damping *= max(1.0 + rate * t, LEAST_SHARE)
@@ -169,8 +169,8 @@ def _damping_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLa
 
 
 def _load_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
-    del sizes
-    rate = values["force"] / occasion.duration_s
+    del occasion
+    rate = values["force"] / sizes.duration_s
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
         parts.force += rate * t
@@ -348,12 +348,13 @@ OUTSIDE: tuple[Hidden, ...] = (
         _inertia_slope, relation="outside",
     ),
     entry(
-        "damping_drift", "state", "N (1 + change t/duration) in place of N", "change 1",
+        "damping_drift", "state", "N (1 + change t/T) in place of N, T that of the first log",
+        "change 1",
         lambda s, rng, size: {"change": max(either(rng) * about(rng, 0.5 * size), -0.8)},
         _damping_drift, relation="outside",
     ),
     entry(
-        "load_drift", "state", "+ force t/duration", "force {f}",
+        "load_drift", "state", "+ force t/T, T the length of the first log", "force {f}",
         lambda s, rng, size: {"force": either(rng) * about(rng, 0.12 * size * s.force)},
         _load_drift, relation="outside",
     ),

@@ -19,6 +19,7 @@ from softid.models.equilibrium import Equilibrium
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
 from softid.synthesis import HIDDEN, PROTOCOLS, HiddenPair, Rig, hidden_log, hidden_pair, names_of
+from softid.synthesis.hidden import ENTRIES
 
 QUIET = Rig(noise=0.0, pressure_noise_kpa=0.0, zero=0.0)
 FORBIDDEN = ("softid.effects", "softid.kernels", "softid.models", "softid.simulation")
@@ -126,6 +127,11 @@ def test_size_scales_the_effect_and_keeps_its_sign() -> None:
 def without_effects() -> HiddenPair:
     """The pair that the next test compares with."""
     return hidden_pair((), seed=2)
+
+
+def test_no_two_effects_share_a_name() -> None:
+    """The later one would stand for both."""
+    assert len(HIDDEN) == len(ENTRIES)
 
 
 @pytest.mark.parametrize("name", HIDDEN)

@@ -74,6 +74,7 @@ class OtherExplanations:
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
     _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
     _parted: dict[BaseFit, bool] = field(default_factory=dict, repr=False)
+    _anew: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
     _near_one: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
 
     def events(self, base: BaseFit) -> tuple[Issue, ...]:
@@ -112,7 +113,7 @@ class OtherExplanations:
             times as much is not what is missing, nor is one that a single cause may do as well and
             that leaves hardly less.
         """
-        found, most = self._beyond(base), FAR_MORE
+        found, most = self._beyond(base) or self._begun_anew(base), FAR_MORE
         if found is None:
             found, most = self._beyond_one(base), OUTDONE_RATIO
         if found is None or 1.0 - found.share > most * max(1.0 - taken, LEAST_LEFT):
@@ -168,6 +169,13 @@ class OtherExplanations:
             noise = noise_variance(base.candidate, base.scale)
             self._laws[base] = beyond_catalogue(base, noise)
         return self._laws[base]
+
+    def _begun_anew(self, base: BaseFit) -> BeyondCatalogue | None:
+        """One to which no way leads from where the base stands."""
+        if base not in self._anew:
+            noise = noise_variance(base.candidate, base.scale)
+            self._anew[base] = beyond_catalogue(base, noise, anew=True)
+        return self._anew[base]
 
     def _beyond_one(self, base: BaseFit) -> BeyondCatalogue | None:
         """One that a single cause may do as well."""

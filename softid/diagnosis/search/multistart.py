@@ -77,6 +77,17 @@ def has_vanished(base: Candidate) -> bool:
     return bool(np.any(felt < VANISHED * base.squares))
 
 
+def usual_places(base: Candidate) -> list[Candidate]:
+    """The base at its start values, which know nothing of the way that it has gone.
+
+    Parameters
+    ----------
+    base
+        The base fit, without effects.
+    """
+    return list(_places(base, base.problem.plain_segments))
+
+
 def multistart_candidates(
     base: Candidate, effects: Sequence[Effect], scale: Scale, sigma: Mapping[str, float]
 ) -> list[Candidate]:
@@ -96,7 +107,7 @@ def multistart_candidates(
     rough, rough_sigma = rough_copy(base, scale, sigma)
     if rough is base:
         rough = _sparse(base)
-    usual = list(_places(rough, rough.problem.plain_segments))
+    usual = usual_places(rough)
 
     def placed(effect: Effect) -> list[Candidate]:
         found = (

@@ -105,6 +105,7 @@ def beyond_catalogue(
     laws: Sequence[type[Law]] = BEYOND_ONE,
     *,
     beside: Candidate | None = None,
+    anew: bool = False,
 ) -> BeyondCatalogue | None:
     """The laws in no catalogue that account for what a model leaves, if there are any.
 
@@ -120,6 +121,8 @@ def beyond_catalogue(
         Those that are tried.
     beside
         The base with causes, which then also stay; None for the base alone.
+    anew
+        As in `standing_of`.
     """
     known = beside or base.candidate
     left = _left(base, noise)
@@ -128,7 +131,7 @@ def beyond_catalogue(
     near, hopeful = (
         left + (1.0 - share) * (known.squares - left) for share in (TAKEN_SOON, TAKEN_ROUGHLY)
     )
-    standing, kept = standing_of(known, base), known.acting
+    standing, kept = standing_of(known, base, anew=anew), known.acting
     found = in_parallel(
         lambda law: refitted_with(standing, kept, (law(),), near=near, enough=hopeful),
         suiting(laws, is_linear=base.candidate.problem.model.is_linear),

@@ -21,7 +21,7 @@ from softid.diagnosis.refit.extension import (
 )
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import squares_at
-from softid.diagnosis.search.multistart import driven
+from softid.diagnosis.search.multistart import driven, usual_places
 from softid.effects import belongs_to
 from softid.effects.base import Effect, InputEffect, OutputEffect
 from softid.fitters.problem import Problem
@@ -66,6 +66,8 @@ class Standing:
         Model and base over averages, or over all samples where averages do not do.
     rough_sigma
         Output channel → scale that a residual of averages is divided by.
+    usual
+        The base over averages at its start values, where refits are to begin there.
     """
 
     model: Candidate
@@ -73,9 +75,10 @@ class Standing:
     rough: Candidate
     rough_base: Candidate
     rough_sigma: Mapping[str, float]
+    usual: Sequence[Candidate]
 
 
-def standing_of(model: Candidate, base: BaseFit) -> Standing:
+def standing_of(model: Candidate, base: BaseFit, *, anew: bool = False) -> Standing:
     """A model with what is seen of it over averages.
 
     Parameters
@@ -84,11 +87,15 @@ def standing_of(model: Candidate, base: BaseFit) -> Standing:
         The base with effects, or without.
     base
         The base fit.
+    anew
+        Whether refits begin at start values of the base, which know nothing of the way that it has
+        gone to make room for what is missing.
     """
     rough_base, sigma = rough_copy(base.candidate, base.scale, base.sigma)
     rough = over_samples_of(model, rough_base, base.scale)
     rough = advance(rough, sigma, 1, substeps=COARSE_STEPS)
-    return Standing(model, base, rough, rough_base, sigma)
+    usual = usual_places(rough_base) if anew else ()
+    return Standing(model, base, rough, rough_base, sigma, usual)
 
 
 def refitted_with(
@@ -170,12 +177,14 @@ def _starts(
         return min(starts, key=lambda start: squares_at(problem, start, sigma))
 
     is_led_away = not kept or len(known.effects) - len(kept) > len(laws)
+    nearby = [(rough_base,)] if is_led_away else []
     found = [
         best(
             start_unknowns(problem, place.problem, place.minimum.point, {**beside, **values})
+            for place in places
             for values in own_values
         )
-        for place in ((known, rough_base) if is_led_away else (known,))
+        for places in ([standing.usual] if standing.usual else [(known,), *nearby])
     ]
     if not (isinstance(laws[0], InputEffect | OutputEffect) and laws[0].name in LEAD_ASTRAY):
         return found

@@ -62,7 +62,7 @@ def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
     assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
     told = others.laws(base, 0.99)  # type: ignore[arg-type]
     assert [issue.code for issue in told] == [UNLISTED_LAW] * outdone
-    assert asked == [(), NEAR_ONE]
+    assert asked == [(), NEAR_ONE, *(["anew"] * (not outdone))]
 
 
 @pytest.mark.parametrize(("taken", "told"), [(0.0, True), (0.98, True), (0.99, False)])
@@ -87,8 +87,10 @@ def tip_that_swings(monkeypatch: pytest.MonkeyPatch, squares: float = 1.0) -> li
     swings = BeyondCatalogue((SwingingPart(),), 0.99, 0.98, squares, 1.0, ((0.4, "s"),))
     asked: list[Any] = []
 
-    def beyond(base: Any, noise: float, laws: Any = ()) -> BeyondCatalogue | None:
-        asked.append(laws)
+    def beyond(
+        base: Any, noise: float, laws: Any = (), *, anew: bool = False
+    ) -> BeyondCatalogue | None:
+        asked.append("anew" if anew else laws)
         return swings if laws is NEAR_ONE else None
 
     monkeypatch.setattr(other_explanations, "beyond_catalogue", beyond)
@@ -118,6 +120,7 @@ def test_a_law_that_leaves_far_more_than_descriptions_is_not_told(
         ({"law", "spell", "mixed"}, [], [UNLISTED_LAW]),
         ({"spell", "mixed"}, [SPELL], [SPELL.code]),
         ({"mixed", "near one"}, [MIXED], [MIXED.code]),
+        ({"anew"}, [], [UNLISTED_LAW]),
         ({"near one"}, [], [UNLISTED_LAW]),
         (set(), [], []),
     ],
@@ -139,8 +142,11 @@ def test_the_order_in_which_they_are_asked(
     def change(model: Any, scale: Any, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
         return told("change", JUMPS) if alone else told("mixed", MIXED)
 
-    def law(base: Any, noise: float, laws: Any = ()) -> BeyondCatalogue | None:
-        return LAW if told("near one" if laws is NEAR_ONE else "law", MIXED) else None
+    def law(
+        base: Any, noise: float, laws: Any = (), *, anew: bool = False
+    ) -> BeyondCatalogue | None:
+        name = "near one" if laws is NEAR_ONE else "anew" if anew else "law"
+        return LAW if told(name, MIXED) else None
 
     monkeypatch.setattr(
         other_explanations, "difference_issues", lambda *a: told("difference", DIFFERS)

@@ -21,6 +21,7 @@ from softid.diagnosis.verdict.beyond_catalogue import (
     beyond_catalogue,
 )
 from softid.diagnosis.verdict.unlisted_curves import FreeSpring
+from softid.diagnosis.verdict.unlisted_drifts import LoadDrift
 from softid.diagnosis.verdict.unlisted_laws import InputPlay, Law, OutputPlay
 from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import LateGauge
@@ -48,6 +49,8 @@ def base_over(*names: str, seed: int) -> BaseFit:
         ("supply_limit", "input_limit"),
         ("self_heating", "recovering_softening"),
         ("wavy_spring", "free_spring"),
+        ("damping_drift", "damping_drift"),
+        ("pressure_gain_drift", "pressure_gain_drift"),
     ],
 )
 def test_what_is_hidden_is_told(hidden: str, law: str) -> None:
@@ -75,6 +78,20 @@ def test_what_leads_a_base_far_away_is_told(
     base = request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
     found = beyond_catalogue(base, noise_variance(base.candidate, base.scale), (law,))
     assert found is not None
+    assert min(found.share, found.held_out_share) > 0.98
+
+
+def test_what_lies_beyond_a_valley_is_told_from_start_values_of_the_base() -> None:
+    """Stands on the generator: the base has a damping that acts without pressure alone, and an
+    optimiser creeps along with that."""
+    fitted, judge = hidden_pair(("load_drift",), seed=885000).logs
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
+    noise = noise_variance(base.candidate, base.scale)
+    assert beyond_catalogue(base, noise, (LoadDrift,)) is None
+    found = beyond_catalogue(base, noise, anew=True)
+    assert found is not None
+    assert found.laws[0].name == "load_drift"
     assert min(found.share, found.held_out_share) > 0.98
 
 
