@@ -46,8 +46,11 @@ MEDIAN_SHARE = 0.75
 below: what goes on throughout a log, such as a drift, is made up for by a change at any moment."""
 
 GRADUAL = 0.9
-"""Share of what a change takes away from which on a weight that goes evenly with the time speaks
-against a moment."""
+"""Share of what a change takes away from which on a weight that goes evenly with the time, or
+settles, speaks against a moment: one that settles takes four fifths of what a moment does."""
+
+SETTLES_WITHIN = (0.02, 0.04, 0.08, 0.16, 0.32)
+"""Times in which such a weight settles, as shares of a log: a softening, a sensor that warms up."""
 
 ALL_OF_IT = 0.9
 """Share of what a change takes away from which on one of the whole log against the others speaks
@@ -174,8 +177,14 @@ class _ScoreTest:
 
     def taken_gradually(self, log: int, begin_s: float, length_s: float) -> float:
         """The most that the weight of one kind alone takes that goes with the time of a log."""
-        since = np.clip((self.time_s - begin_s) / length_s, 0.0, 1.0) * (self.log == log)
-        return max(self._fall((column * since)[:, None]) for column in self.kinds.values())
+        since = np.clip((self.time_s - begin_s) / length_s, 0.0, 1.0)
+        ways = (since, *(1.0 - np.exp(-since / within) for within in SETTLES_WITHIN))
+        mine = self.log == log
+        return max(
+            self._fall((column * way * mine)[:, None])
+            for column in self.kinds.values()
+            for way in ways
+        )
 
     def long_run_variance(self, log: int, time_s: float) -> float:
         """Sum of all autocovariances of what a change of everything at a moment leaves.

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
-from softid.diagnosis.changes.clock_jumps import is_clock_jump
+from softid.diagnosis.changes.events import events_in
 from softid.diagnosis.changes.held_out_difference import (
     gain_beside_difference,
     held_out_difference,
@@ -20,16 +19,13 @@ from softid.diagnosis.changes.held_out_difference import (
 )
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import (
-    LogDifferences,
     log_differences,
     squares_of,
-    squares_with,
     standing_over,
 )
 from softid.diagnosis.changes.pooling import own_parameters
-from softid.diagnosis.changes.spells import Spells, is_of_a_jump, spells_elsewhere, spells_of
+from softid.diagnosis.changes.spells import Spells
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.report.difference_texts import APART, LOG_DIFFERENCES, DifferenceTexts
 from softid.diagnosis.report.phrases import percent
@@ -75,16 +71,6 @@ LOOK_THEN = (
     "lost samples, and diagnose what comes before and after it apart"
 )
 """What to do about a moment or a spell."""
-
-PARTS_A_LOG = 0.985
-"""Share of the misfit of a part of a log that one number takes away which parts it in two."""
-
-MORE_THAN_NOISE = 0.3
-"""What one number leaves above the noise, as a share of it, from which on something else may be
-missing, too."""
-
-FOLLOWED_RATIO = 2.0
-"""A log is followed where no more than so many times the noise of all logs is left."""
 
 REFERENCES = 3
 """Logs that are tried as the one which the others are compared with."""
@@ -162,9 +148,6 @@ def change_issues(
 def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     """The spells to which the misfit of a fitted log is confined; nothing where it is not.
 
-    Nor where the model that follows the rest of the log is wrong throughout others: what acts at
-    the fast motions of some logs acts nowhere in the slow part of one.
-
     Parameters
     ----------
     base
@@ -181,143 +164,14 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             f"{_throughout(event.lasts_in)}{RECURS if event.recurs else ''}",
             LOOK_THEN,
         )
-        for event in _events_in(base)
+        for event in events_in(base)
     )
-
-
-def is_parted(base: BaseFit, excess: float) -> bool:
-    """Whether one number that changed within a log leaves nothing else to look for.
-
-    Parameters
-    ----------
-    base
-        The base fit to the logs.
-    excess
-        As in `change_issues`.
-    """
-    found = change_point(base.candidate, base.scale, excess)
-    if found is not None and found.kind:
-        return (1.0 - found.share) * excess < MORE_THAN_NOISE
-    events = _events_in(base)
-    return bool(events) and all(
-        event.spells.is_one_part
-        and event.change is not None
-        and (1.0 - event.change.share) * (event.spells.before / event.spells.noise - 1.0)
-        < MORE_THAN_NOISE
-        for event in events
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Event:
-    """What happened for a while, or from one moment on.
-
-    Attributes
-    ----------
-    log, spells, change
-        The log, when it was, and the number that changes then, if it is one.
-    lasts_in
-        Logs to judge by that have it throughout.
-    recurs
-        Whether others have such spells.
-    """
-
-    log: Log
-    spells: Spells
-    change: LogDifferences | None
-    lasts_in: Sequence[Log]
-    recurs: bool
-
-
-def _events_in(base: BaseFit) -> list[_Event]:
-    """What happened in each fitted log; nothing where another one shows that it may be a law."""
-    noise = noise_variance(base.candidate, base.scale)
-
-    @cache  # the whole of a log is fitted as its first part, and to see that it is followed
-    def fit(log: Log) -> Candidate:
-        return refitted(base.candidate, base.sigma, [log], REFIT_EVALUATIONS)
-
-    judges = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
-    found = []
-    for log in base.whole_logs:
-        spells = spells_of(log, fit, noise)
-        change = None if spells is None else _change_in(log, spells, base)
-        elsewhere: list[int | None] = []
-        if spells is not None:
-            elsewhere = [spells_elsewhere(other, spells.reference, noise) for other in judges]
-        if spells is None or not _is_event(log, spells, change, elsewhere, base):
-            if not _is_followed(log, fit, noise):
-                return []  # what one log has throughout is no event in another
-            continue
-        lasts_in = [other for other, count in zip(judges, elsewhere, strict=True) if count is None]
-        if lasts_in and not _has_lasted(spells, change, lasts_in, base):
-            return []
-        found.append(_Event(log, spells, change, lasts_in, any(elsewhere)))
-    return found
 
 
 def _throughout(logs: Sequence[Log]) -> str:
     """That some logs are as another one is at its end."""
     names = listed([log.name for log in logs])
     return f"; {names} {'has' if len(logs) == 1 else 'have'} it throughout" if names else ""
-
-
-def _change_in(log: Log, spells: Spells, base: BaseFit) -> LogDifferences | None:
-    """What changes in the spells of a log; nothing where none known does."""
-    return log_differences(
-        spells.reference,
-        base.scale,
-        [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s],
-        before=spells.before,
-        noise=spells.noise,
-        zero_counts=True,
-    )
-
-
-def _is_event(
-    log: Log,
-    spells: Spells,
-    change: LogDifferences | None,
-    elsewhere: Sequence[int | None],
-    base: BaseFit,
-) -> bool:
-    """Whether spells are no law, and no jump of the input.
-
-    What begins with the log, or moves as nothing else in it, may be a law. It is none where one
-    number parts the log in two, and what is held out follows the later part from its start on.
-    """
-    if all(is_of_a_jump(log, span, base.scale.motion_s) for span in spells.spans_s):
-        return False
-    if spells.is_one_part and change is not None and change.share > PARTS_A_LOG:
-        later = None if spells.ends_last else 0
-        if elsewhere and all(count == later for count in elsewhere):
-            return True
-    if spells.begins_early:
-        return False
-    return spells.is_met or is_clock_jump(change, spells.reference, base.scale, base.sigma)
-
-
-def _has_lasted(
-    spells: Spells, change: LogDifferences | None, judges: Sequence[Log], base: BaseFit
-) -> bool:
-    """Whether logs are followed with what changes in the last spell of another one."""
-    if change is None or not (spells.is_one_part and spells.ends_last):
-        return False
-    noise = noise_variance(base.candidate, base.scale)
-    return all(
-        squares_with(spells.reference, base.scale, [log], change)
-        < FOLLOWED_RATIO * noise * log.time_s.size
-        for log in judges
-    )
-
-
-def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> bool:
-    """Whether a model that is fitted to a log alone leaves noise, or there is nothing to fit."""
-    with suppress(IdentificationError, InputError):
-        alone = fit(log)
-        left = squares_of(alone.problem, alone.minimum.point)
-        return left < FOLLOWED_RATIO * noise * alone.problem.n_samples / len(alone.problem.outputs)
-    return True
 
 
 def _when(spells: Spells, log: Log) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.changes.events import is_parted
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import SEVERAL_STEPS
 from softid.diagnosis.report.changes import (
@@ -13,7 +14,6 @@ from softid.diagnosis.report.changes import (
     HELD_OUT_CHANGE,
     change_issues,
     difference_issues,
-    is_parted,
     own_parameter_issues,
     spell_issues,
 )

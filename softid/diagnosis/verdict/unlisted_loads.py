@@ -54,7 +54,9 @@ class SwingingLoad(OutputEffect):
     )
     signature: ClassVar[str] = "The residual rings slowly with one frequency after every move."
     remedy: ClassVar[str] = "the same load clamped to the tip"
-    shown_by: ClassVar[str] = "a push against the load while the pressure is held"
+    shown_by: ClassVar[str] = (
+        "a push against the load, and one against what is read, while the pressure is held"
+    )
     source: ClassVar[str] = "Den Hartog, Mechanical Vibrations, 4th ed. 1956, §3.2"
     amplitude: ClassVar[str] = "c"
 

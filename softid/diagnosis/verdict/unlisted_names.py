@@ -36,7 +36,7 @@ UNLISTED: dict[str, str] = {
     "uneven_reading": "a sensor that lags by another time upward than downward",
     "feedthrough": "a sensor that also answers to the pressure itself",
     "swinging_part": "a part of what is read that swings by itself, as a flexible tip does",
-    "swinging_load": "a load that swings on the actuator",
+    "swinging_load": "a load that swings on the actuator, or a flexible mount of what is read",
     "uneven_delay": "a delay that differs by direction, as of a valve that opens faster than it "
     "closes",
     "second_hysteresis": "a second hysteresis that gives way over another distance",

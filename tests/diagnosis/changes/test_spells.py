@@ -13,6 +13,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.changes.clock_jumps import is_clock_jump
+from softid.diagnosis.changes.events import is_parted
 from softid.diagnosis.changes.log_differences import LogDifferences
 from softid.diagnosis.changes.spells import (
     is_of_a_jump,
@@ -22,7 +23,7 @@ from softid.diagnosis.changes.spells import (
 )
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.report.changes import CHANGE_POINT, is_parted, spell_issues
+from softid.diagnosis.report.changes import CHANGE_POINT, change_issues, spell_issues
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis_results import Verdict
 from softid.errors import InputError, Issue
@@ -154,6 +155,19 @@ def test_what_goes_on_in_what_judges_is_told_of_the_moment_it_began() -> None:
     late = np.interp(TIME_S - 0.05, TIME_S, pressure())
     assert issues_beside(train, linear_angle(TIME_S, late)) == ()
     assert issues_beside(changed((12.0, 17.0)), changed(ALWAYS)) == ()
+
+
+@pytest.mark.parametrize("within_s", [1.0, 1.5, 3.0, 6.0])
+def test_what_settles_is_no_event(within_s: float) -> None:
+    """A softening in time, behind which what judges is soft: no moment, though one takes most."""
+    whole, soft = (linear_angle(TIME_S, pressure(), truth) for truth in (TRUTH, SOFT))
+    train = log_of(soft + (whole - soft) * np.exp(-TIME_S / within_s))
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((train,)), (log_of(soft, seed=1),), thorough=False)
+    excess = excess_of(base.candidate, base.scale)
+    assert change_issues(base.candidate, base.scale, excess) == ()
+    assert spell_issues(base) == ()
+    assert not is_parted(base, excess)
 
 
 @pytest.mark.parametrize(
