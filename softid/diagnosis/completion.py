@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
@@ -16,6 +17,7 @@ from softid.diagnosis.report.issues import (
     input_noise_issues,
     jump_issues,
     negligible_issues,
+    refused_law_issues,
     restriction_issues,
 )
 from softid.diagnosis.report.joint_causes import (
@@ -39,7 +41,10 @@ from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.report.timing import timing_issues
+from softid.diagnosis.residual.assessment import noise_variance
+from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.searches.over_plainer_models import plainer_model_issues
+from softid.diagnosis.verdict.begun_anew import law_begun_anew
 from softid.diagnosis.verdict.no_response import no_response
 from softid.diagnosis.verdict.revision import (
     as_unknown,
@@ -79,8 +84,8 @@ class Circumstances:
         The base that the search began over.
     base
         The base that the answer extends.
-    final
-        The model with all that is named or described.
+    chain
+        The chain with all that is named or described.
     others
         Explanations that are no causes.
     """
@@ -93,8 +98,19 @@ class Circumstances:
     effects: tuple[Effect, ...]
     chosen: BaseFit
     base: BaseFit
-    final: Candidate
+    chain: Chain
     others: OtherExplanations
+
+    @property
+    def final(self) -> Candidate:
+        """The model with all that is named or described."""
+        return self.chain.final
+
+    @cached_property
+    def begun_anew(self) -> tuple[Effect, Candidate] | None:
+        """The law that explains all but what is held out, where that may go on from another log."""
+        noise = noise_variance(self.base.candidate, self.base.scale)
+        return law_begun_anew(self.chain, self.base, noise)
 
 
 def completed(answer: Diagnosis, case: Circumstances) -> Diagnosis:
@@ -117,9 +133,21 @@ def _what_else_it_is(answer: Diagnosis, case: Circumstances) -> Diagnosis:
     differing = differing_log_issues(case.base) if answer.verdict is Verdict.ADEQUATE else ()
     if differing:
         return with_differences(as_unknown(answer), differing)
+    if case.begun_anew is not None:
+        return _with_law_begun_anew(answer, *case.begun_anew, case.base)
     if is_outweighed_by_events(answer) and case.others.events(case.base):
         answer = with_names_withdrawn(answer)
     return with_other_explanations(answer, case.base, case.others)
+
+
+def _with_law_begun_anew(
+    answer: Diagnosis, law: Effect, model: Candidate, base: BaseFit
+) -> Diagnosis:
+    """The answer without names, and with a law that what is held out may speak against wrongly."""
+    (told,) = refused_law_issues(law, model, base.candidate, base.held_out)
+    others = tuple(issue for issue in answer.issues if issue.code != told.code)
+    answer = with_names_withdrawn(answer) if answer.causes else answer
+    return replace(answer, alternatives=(), issues=(*others, told), next_experiment=told.remedy)
 
 
 def _second_input(answer: Diagnosis, case: Circumstances) -> Diagnosis:
@@ -131,10 +159,12 @@ def _second_input(answer: Diagnosis, case: Circumstances) -> Diagnosis:
 
 
 def _event_beside(answer: Diagnosis, case: Circumstances) -> Diagnosis:
-    return with_event_beside(answer, case.base, case.final)
+    return answer if case.begun_anew else with_event_beside(answer, case.base, case.final)
 
 
 def _law_beside(answer: Diagnosis, case: Circumstances) -> Diagnosis:
+    if case.begun_anew:
+        return answer
     return with_law_beside(answer, case.base, case.final, case.effects)
 
 

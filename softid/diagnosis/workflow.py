@@ -188,7 +188,7 @@ def _diagnosed(
         effects=search.effects,
         chosen=chosen,
         base=base,
-        final=chain.final,
+        chain=chain,
         others=others,
     )
     return completed(answer, case)

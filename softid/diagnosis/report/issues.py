@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks
 from softid.diagnosis.report.phrases import DOUBTS, percent
 from softid.diagnosis.report.rest_phrases import OF_INPUT
@@ -15,6 +16,7 @@ from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN
 from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import EFFECTS
+from softid.effects.base import Effect
 from softid.errors import Issue
 from softid.fitters.problem import Problem
 from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
@@ -123,9 +125,25 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     """
     if chain.links or chain.last is None or not is_accepted(chain.last, FIRST):
         return ()
-    best = chain.last.chosen.plain
-    before, after = held.rms(chain.final), held.rms(best)
-    taken = 1.0 - best.squares / chain.final.squares
+    return refused_law_issues(chain.last.added, chain.last.chosen.plain, chain.final, held)
+
+
+def refused_law_issues(
+    law: Effect, model: Candidate, base: Candidate, held: HeldOut
+) -> tuple[Issue, ...]:
+    """The same of any law; nothing where it carries over or takes away next to nothing.
+
+    Parameters
+    ----------
+    law, model
+        The law, and the base with it.
+    base
+        The base alone.
+    held
+        What was held out.
+    """
+    before, after = held.rms(base), held.rms(model)
+    taken = 1.0 - model.squares / base.squares
     if taken < LEAST_GAIN or not after > (1.0 - LEAST_GAIN) * before:
         return ()
     takes = percent(taken)
@@ -135,7 +153,7 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     remedy = "hold out a log like the fitted ones, or none: then blocks of the logs judge"
     if isinstance(held, HeldOutBlocks):
         remedy = "record the same once more, from a rest, and hold that log out"
-    elif chain.last.added.begins_with_log:
+    elif law.begins_with_log:
         code = BEGUN_ANEW
         remedy = (
             "if what is held out was recorded after the others, hold out none, and blocks of the "
@@ -145,8 +163,8 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
         Issue(
             code,
             "info",
-            f"{lowered(chain.last.added.title)} would take away {takes} of the squared error on "
-            f"the fitted samples, but on what is held out it {change}",
+            f"{lowered(law.title)} would take away {takes} of the squared error on the fitted "
+            f"samples, but on what is held out it {change}",
             remedy,
         ),
     )
