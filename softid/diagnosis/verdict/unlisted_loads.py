@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 MOST_HELD, START_HELD = 0.9, 0.2
 """Bound and start of the share of a fast move that a swinging load keeps back: a load as heavy as
 the actuator that swings at a third of its frequency keeps back a tenth, one of ten times its weight
-two thirds."""
+half."""
 
 MOST_DAMPED = 0.3
 """Bound of either damping ratio: a load that is damped more does not swing."""

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from handmade_diagnosis import cause, estimate, remainder
 from handmade_rounds import ranked
-from linear_motion import TRUTH, linear_log, linear_problem, standing
+from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
 from textbook_effects import round_scale
 
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search.forward_selection import Link
@@ -25,8 +28,11 @@ from softid.diagnosis.verdict.doubts import (
 from softid.diagnosis_results import Doubt
 from softid.effects import effect_of
 
+Array = npt.NDArray[np.float64]
+
 SCALE = replace(round_scale(), period_s=0.02)
 NOISE = remainder(structured=False, explained=1.0)
+SAMPLES = 2000
 
 
 @pytest.mark.parametrize(
@@ -95,15 +101,31 @@ def test_behind_a_filter_over_a_record_there_is_no_fast_noise(
 ) -> None:
     """Noise that a mean of seven samples smoothed, and white noise, which a filter over the record
     would have smoothed; behind a sensor's own average its converter may add some."""
-    samples = 2000
-    noise = 0.01 * np.random.default_rng(0).standard_normal(samples)
-    if is_filtered:
-        noise = np.convolve(noise, np.ones(7) / 7.0, "same")
-    problem = linear_problem([linear_log(samples=samples, added=noise)])
+    final = behind_a_filter(key, values, seven_samples_alike(is_filtered=is_filtered))
+    assert has_fast_noise(final) is (None if key == "smoothing.past" else not is_filtered)
+
+
+@pytest.mark.parametrize("is_filtered", [True, False], ids=["filtered", "white"])
+def test_a_misfit_does_not_hide_fast_noise(*, is_filtered: bool) -> None:
+    """A swing of 1 s, ten times as large, makes samples differ that are far apart."""
+    swing = 0.1 * np.sin(2.0 * np.pi * np.arange(SAMPLES) / RATE_HZ)
+    noise = seven_samples_alike(is_filtered=is_filtered)
+    final = behind_a_filter("smoothing", {"period": 0.8, "order": 2.0}, noise + swing)
+    assert not has_fast_noise(final)
+    assert has_fast_noise(final, in_misfit=True) is not is_filtered
+
+
+def seven_samples_alike(*, is_filtered: bool) -> Array:
+    """White noise, or what a mean of seven samples leaves of it."""
+    noise = 0.01 * np.random.default_rng(0).standard_normal(SAMPLES)
+    return np.convolve(noise, np.ones(7) / 7.0, "same") if is_filtered else noise
+
+
+def behind_a_filter(key: str, values: Mapping[str, float], added: Array) -> Candidate:
+    """A linear model with a filter where it stands, over a log of it with an error added."""
+    problem = linear_problem([linear_log(samples=SAMPLES, added=added)])
     z, effect = problem.unknowns(TRUTH), effect_of(key)
     extended = extend(problem, (effect,), scale_of(problem, z))
-    at = start_unknowns(
-        extended, problem, z, {f"{effect.name}_{name}": value for name, value in values.items()}
-    )
-    final = replace(standing(extended, at), effects=(effect,))
-    assert has_fast_noise(final) is (None if key == "smoothing.past" else not is_filtered)
+    named = {f"{effect.name}_{name}": value for name, value in values.items()}
+    at = start_unknowns(extended, problem, z, named)
+    return replace(standing(extended, at), effects=(effect,))
