@@ -30,6 +30,9 @@ DIFFERENCES = {
 }
 """What may differ from log to log, in words; else it is a parameter of the model."""
 
+ZERO_OR_LOAD = "the zero of the reading or a constant load"
+"""A zero under one stiffness throughout, where a load adds the same once it is settled."""
+
 INERTIA = "the inertia {}"
 """The parameter of a model that is its inertia, in words."""
 
@@ -65,10 +68,13 @@ class DifferenceTexts:
         The output.
     inertia
         The parameter of its model that is the inertia, if there is one.
+    is_linear
+        Whether the model is linear.
     """
 
     output: str
     inertia: str | None
+    is_linear: bool
 
     @classmethod
     def of(cls, problem: Problem) -> DifferenceTexts:
@@ -79,7 +85,8 @@ class DifferenceTexts:
         problem
             The problem.
         """
-        return cls(problem.outputs[0], problem.model.inertia_parameter)
+        model = problem.model
+        return cls(problem.outputs[0], model.inertia_parameter, model.is_linear)
 
     def issue(self, found: LogDifferences, logs: Sequence[Log], reference: str) -> Issue:
         """What differs from log to log.
@@ -116,7 +123,8 @@ class DifferenceTexts:
             How it differs from the rest of the log.
         """
         kind, last = found.kinds[0], found.beside or found
-        changes = f"{self.title(kind)} changes{_by(found)}"
+        either = kind == ZERO and self.is_linear
+        changes = f"{ZERO_OR_LOAD if either else self.title(kind)} changes{_by(found)}"
         if found.beside is not None:
             changes += f" and {self.title(last.kinds[0])} changes{_by(last)}"
         return (

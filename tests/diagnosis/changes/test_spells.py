@@ -227,6 +227,13 @@ def test_what_changes_there_is_told() -> None:
     assert "the stiffness" in message
 
 
+def test_a_shift_in_a_linear_model_is_of_the_zero_or_of_a_load() -> None:
+    """Only their coming and going differs, and nothing here looks at that."""
+    shifted = linear_angle(TIME_S, pressure()) + 0.2 * between((12.0, 17.0))
+    message = issues_of(log_of(shifted))
+    assert "there the zero of the reading or a constant load changes" in message
+
+
 CHIRP = 55.0 + 45.0 * np.sin(0.5 * (TIME_S - 20.0) ** 2)
 FASTER = np.where(TIME_S < 20.0, pressure(), CHIRP)
 """A pressure that moves faster from 20 s on than before."""
