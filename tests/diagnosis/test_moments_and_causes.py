@@ -34,7 +34,7 @@ def test_a_moment_outweighs_causes_that_leave_more_than_noise(
     """What begins at one moment does not go on throughout; what leaves noise is not asked."""
     found, told_else = diagnosis(verdict), (MOMENT,) if begins else ()
     others: Any = SimpleNamespace(events=lambda *args: told_else, all=lambda *args: told_else)
-    case: Any = SimpleNamespace(base=None, others=others)
+    case: Any = SimpleNamespace(base=None, others=others, begun_anew=None)
     answer = completion._what_else_it_is(found, case)
     assert answer.verdict is told
     is_withheld = told is Verdict.UNKNOWN
@@ -60,7 +60,7 @@ def test_what_is_held_out_differs_and_the_rest_is_asked_where_it_leaves_somethin
         return lambda *args: met.append(name) or ()
 
     others: Any = SimpleNamespace(events=noted("events"), all=noted("all"))
-    case: Any = SimpleNamespace(base=None, others=others)
+    case: Any = SimpleNamespace(base=None, others=others, begun_anew=None)
     answer = completion._what_else_it_is(found, case)
     assert met == asked
     assert answer.next_experiment == held.remedy

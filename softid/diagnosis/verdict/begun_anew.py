@@ -36,17 +36,17 @@ def law_begun_anew(chain: Chain, base: BaseFit, noise: float) -> tuple[Effect, C
     Returns
     -------
     effect, model
-        None where there is no such law, where blocks of the fitted logs judge, and where a single
-        cause leaves noise, too: then what is held out tells which it is.
+        None where there is no such law, where blocks of the fitted logs judge, and where the base
+        or a single cause leaves noise, too: then what is held out tells which it is.
     """
     held = base.held_out
     if not isinstance(held, HeldOutLogs):
         return None
     left = noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
     most = AS_NOISE * left
-    if len(chain.links) == 1 and chain.final.squares <= most:
+    if len(chain.links) < 2 and chain.final.squares <= most:
         return None
-    most = min(most, chain.final.squares) if chain.links else most
+    most = min(most, chain.final.squares, (1.0 - LEAST_GAIN) * base.candidate.squares)
     least = (1.0 - LEAST_GAIN) * held.rms(base.candidate)
     last = () if chain.last is None else (chain.last,)
     met = {
