@@ -33,7 +33,7 @@ MOST_UNEVEN = 0.25
 """Share by which a number may differ between the halves of a spell with which a log begins: what
 settles loses more than half of it, or is over."""
 
-MORE_THAN_NOISE = 0.3
+MOST_LEFT = 0.3
 """What one number leaves above the noise, as a share of it, from which on something else may be
 missing, too."""
 
@@ -98,7 +98,9 @@ def events_in(base: BaseFit) -> list[Event]:
     return found
 
 
-def is_parted(base: BaseFit, excess: float) -> bool:
+def is_parted(
+    base: BaseFit, excess: float, find: Callable[[BaseFit], Sequence[Event]] = events_in
+) -> bool:
     """Whether one number that changed within a log leaves nothing else to look for.
 
     Parameters
@@ -107,17 +109,19 @@ def is_parted(base: BaseFit, excess: float) -> bool:
         The base fit to the logs.
     excess
         Variance of what it leaves above that of the noise, as a share of the latter.
+    find
+        What finds the events, where they may be known already.
     """
     found = change_point(base.candidate, base.scale, excess)
     if found is not None and found.kind:
-        return (1.0 - found.share) * excess < MORE_THAN_NOISE
-    events = events_in(base)
+        return (1.0 - found.share) * excess < MOST_LEFT
+    events = find(base)
     return bool(events) and all(
         event.spells.is_one_part
         and event.change is not None
         and event.change.beside is None
         and (1.0 - event.change.share) * (event.spells.before / event.spells.noise - 1.0)
-        < MORE_THAN_NOISE
+        < MOST_LEFT
         for event in events
     )
 

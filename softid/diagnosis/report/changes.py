@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
-from softid.diagnosis.changes.events import events_in
+from softid.diagnosis.changes.events import Event, events_in
 from softid.diagnosis.changes.held_out_difference import (
     gain_beside_difference,
     held_out_difference,
@@ -145,13 +145,17 @@ def change_issues(
     )
 
 
-def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
+def spell_issues(
+    base: BaseFit, find: Callable[[BaseFit], Sequence[Event]] = events_in
+) -> tuple[Issue, ...]:
     """The spells to which the misfit of a fitted log is confined; nothing where it is not.
 
     Parameters
     ----------
     base
         The base fit to the logs.
+    find
+        As in `is_parted`.
     """
     texts, first = DifferenceTexts.of(base.candidate.problem), base.candidate.problem.outputs[0]
     return tuple(
@@ -164,7 +168,7 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             f"{_throughout(event.lasts_in)}{RECURS if event.recurs else ''}",
             LOOK_THEN,
         )
-        for event in events_in(base)
+        for event in find(base)
     )
 
 

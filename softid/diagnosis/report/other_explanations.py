@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.changes.events import is_parted
+from softid.diagnosis.changes.events import Event, events_in, is_parted
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import SEVERAL_STEPS
 from softid.diagnosis.report.changes import (
@@ -73,8 +73,9 @@ class OtherExplanations:
 
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
     _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
+    _happened: dict[BaseFit, list[Event]] = field(default_factory=dict, repr=False)
     _parted: dict[BaseFit, bool] = field(default_factory=dict, repr=False)
-    _anew: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
+    _from_starts: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
     _near_one: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
 
     def events(self, base: BaseFit) -> tuple[Issue, ...]:
@@ -99,7 +100,12 @@ class OtherExplanations:
         found = found or change_issues(candidate, base.scale, excess, alone=True)
         if found or self._beyond(base) is not None:
             return found
-        return spell_issues(base) or change_issues(candidate, base.scale, excess)
+        return spell_issues(base, self._events_in) or change_issues(candidate, base.scale, excess)
+
+    def _events_in(self, base: BaseFit) -> list[Event]:
+        if base not in self._happened:
+            self._happened[base] = events_in(base)
+        return self._happened[base]
 
     def laws(self, base: BaseFit, taken: float = 0.0) -> tuple[Issue, ...]:
         """A law in no catalogue; nothing where none accounts for the misfit.
@@ -113,7 +119,7 @@ class OtherExplanations:
             times as much is not what is missing, nor is one that a single cause may do as well and
             that leaves hardly less.
         """
-        found, most = self._beyond(base) or self._begun_anew(base), FAR_MORE
+        found, most = self._beyond(base) or self._at_starts(base), FAR_MORE
         if found is None:
             found, most = self._beyond_one(base), OUTDONE_RATIO
         if found is None or 1.0 - found.share > most * max(1.0 - taken, LEAST_LEFT):
@@ -151,7 +157,9 @@ class OtherExplanations:
             The base fit.
         """
         if base not in self._parted:
-            self._parted[base] = is_parted(base, excess_of(base.candidate, base.scale))
+            self._parted[base] = is_parted(
+                base, excess_of(base.candidate, base.scale), self._events_in
+            )
         return self._parted[base]
 
     def all(self, base: BaseFit, taken: float = 0.0) -> tuple[Issue, ...]:
@@ -170,12 +178,12 @@ class OtherExplanations:
             self._laws[base] = beyond_catalogue(base, noise)
         return self._laws[base]
 
-    def _begun_anew(self, base: BaseFit) -> BeyondCatalogue | None:
-        """One to which no way leads from where the base stands."""
-        if base not in self._anew:
+    def _at_starts(self, base: BaseFit) -> BeyondCatalogue | None:
+        """One to which no way leads from where the base stands, but from its start values."""
+        if base not in self._from_starts:
             noise = noise_variance(base.candidate, base.scale)
-            self._anew[base] = beyond_catalogue(base, noise, anew=True)
-        return self._anew[base]
+            self._from_starts[base] = beyond_catalogue(base, noise, at_starts=True)
+        return self._from_starts[base]
 
     def _beyond_one(self, base: BaseFit) -> BeyondCatalogue | None:
         """One that a single cause may do as well."""
@@ -285,8 +293,10 @@ def with_law_beside(
     noise = noise_variance(base.candidate, base.scale)
     is_unknown = answer.verdict is Verdict.UNKNOWN
     found = beyond_and_cause(base, noise, effects) if is_unknown else None
-    if found is not None and final.squares < found.squares:
-        found = None if answer.remainder.held_out_share > found.held_out_share else found
+    if found is not None and (
+        final.squares < found.squares and answer.remainder.held_out_share > found.held_out_share
+    ):
+        found = None
     of_rest = found is None
     if of_rest and final.effects:
         found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)

@@ -47,6 +47,17 @@ MOST_EVENTS = 0.05
 EVENTS_SHARE = 0.2
 """Least share of the rest's power at rest that all events hold together."""
 
+STEADY = (
+    "a steady line",
+    "look for a pump, a fan, the mains or a supply that swings",
+)
+SWINGS = (
+    "swings that begin again and again,",
+    "see whether they begin with the moves: then a load or a mount swings, else look for a pump or "
+    "a supply that does",
+)
+"""What a line is called, and what to look for, if it keeps its phase and if it does not."""
+
 MOST_TOLD = 3
 """Moments that are told; of more their number is."""
 
@@ -123,21 +134,12 @@ def disturbance_issues(
     """
     found = []
     if line is not None:
-        steady, remedy = (
-            "a steady line",
-            "look for a pump, a fan, the mains or a supply that swings",
-        )
-        if not line.in_step:
-            steady = "swings that begin again and again,"
-            remedy = (
-                "see whether they begin with the moves: then a load or a mount swings, else "
-                "look for a pump or a supply that does"
-            )
+        what, remedy = STEADY if line.in_step else SWINGS
         found.append(
             Issue(
                 SPECTRAL_LINE,
                 "warning",
-                f"what is left of {channel} holds {steady} at {line.frequency_hz:.3g} Hz, "
+                f"what is left of {channel} holds {what} at {line.frequency_hz:.3g} Hz, "
                 f"{factor * line.amplitude:.3g} {unit} high, which the input does not have",
                 remedy,
             )

@@ -12,7 +12,7 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.verdict.beyond_catalogue import AS_NOISE
+from softid.diagnosis.verdict.beyond_catalogue import AS_NOISE, squares_of_noise
 from softid.diagnosis.verdict.naming import LEAST_GAIN
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
 from softid.effects.base import Effect
@@ -42,14 +42,13 @@ def law_begun_anew(chain: Chain, base: BaseFit, noise: float) -> tuple[Effect, C
     held = base.held_out
     if not isinstance(held, HeldOutLogs):
         return None
-    left = noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
-    most = AS_NOISE * left
+    most = AS_NOISE * squares_of_noise(base, noise)
     if len(chain.links) < 2 and chain.final.squares <= most:
         return None
     most = min(most, chain.final.squares, (1.0 - LEAST_GAIN) * base.candidate.squares)
     least = (1.0 - LEAST_GAIN) * held.rms(base.candidate)
     last = () if chain.last is None else (chain.last,)
-    met = {
+    met = {  # a law that was met in several rounds counts as in the first
         link.added_by(row): row.plain
         for link in reversed(chain.links or last)
         for row in link.ranked

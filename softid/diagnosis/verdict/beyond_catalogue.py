@@ -99,13 +99,26 @@ class BeyondCatalogue:
         return leaves_nothing and self.squares < OUTDONE_RATIO * cause.squares
 
 
+def squares_of_noise(base: BaseFit, noise: float) -> float:
+    """Weighted sum of squares of the noise over the fitted logs.
+
+    Parameters
+    ----------
+    base
+        The base fit.
+    noise
+        Variance of the noise of the first output.
+    """
+    return noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
+
+
 def beyond_catalogue(
     base: BaseFit,
     noise: float,
     laws: Sequence[type[Law]] = BEYOND_ONE,
     *,
     beside: Candidate | None = None,
-    anew: bool = False,
+    at_starts: bool = False,
 ) -> BeyondCatalogue | None:
     """The laws in no catalogue that account for what a model leaves, if there are any.
 
@@ -121,17 +134,17 @@ def beyond_catalogue(
         Those that are tried.
     beside
         The base with causes, which then also stay; None for the base alone.
-    anew
+    at_starts
         As in `standing_of`.
     """
     known = beside or base.candidate
-    left = _left(base, noise)
+    left = squares_of_noise(base, noise)
     if not known.squares > left or is_one_step(known.problem):
         return None
     near, hopeful = (
         left + (1.0 - share) * (known.squares - left) for share in (TAKEN_SOON, TAKEN_ROUGHLY)
     )
-    standing, kept = standing_of(known, base, anew=anew), known.acting
+    standing, kept = standing_of(known, base, at_starts=at_starts), known.acting
     found = in_parallel(
         lambda law: refitted_with(standing, kept, (law(),), near=near, enough=hopeful),
         suiting(laws, is_linear=base.candidate.problem.model.is_linear),
@@ -161,7 +174,7 @@ def beyond_and_cause(
         The catalogue.
     """
     known, sigma = base.candidate, base.sigma
-    left = _left(base, noise)
+    left = squares_of_noise(base, noise)
     if not known.squares > left or is_one_step(known.problem):
         return None
     near = known.squares - TAKEN_IN_PART * (known.squares - left)
@@ -188,11 +201,6 @@ def beyond_and_cause(
     return None
 
 
-def _left(base: BaseFit, noise: float) -> float:
-    """Weighted sum of squares of the noise."""
-    return noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
-
-
 def _told(
     base: BaseFit,
     known: Candidate,
@@ -201,7 +209,7 @@ def _told(
     noise: float,
 ) -> BeyondCatalogue:
     """What models with one law each take away of what another one leaves, the best first."""
-    best, left = models[0], _left(base, noise)
+    best, left = models[0], squares_of_noise(base, noise)
     declared, values, first = best.problem.parameters, best.parameters, laws[0].plain_at
     beginning = extended_name(laws[0], first[0]) if first else ""
     own = [name for name in declared.names if belongs_to(laws[0], name) and name != beginning]

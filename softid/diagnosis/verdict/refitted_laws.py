@@ -78,7 +78,7 @@ class Standing:
     usual: Sequence[Candidate]
 
 
-def standing_of(model: Candidate, base: BaseFit, *, anew: bool = False) -> Standing:
+def standing_of(model: Candidate, base: BaseFit, *, at_starts: bool = False) -> Standing:
     """A model with what is seen of it over averages.
 
     Parameters
@@ -87,14 +87,14 @@ def standing_of(model: Candidate, base: BaseFit, *, anew: bool = False) -> Stand
         The base with effects, or without.
     base
         The base fit.
-    anew
+    at_starts
         Whether refits begin at start values of the base, which know nothing of the way that it has
         gone to make room for what is missing.
     """
     rough_base, sigma = rough_copy(base.candidate, base.scale, base.sigma)
     rough = over_samples_of(model, rough_base, base.scale)
     rough = advance(rough, sigma, 1, substeps=COARSE_STEPS)
-    usual = usual_places(rough_base) if anew else ()
+    usual = usual_places(rough_base) if at_starts else ()
     return Standing(model, base, rough, rough_base, sigma, usual)
 
 

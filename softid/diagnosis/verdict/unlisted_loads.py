@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.verdict.unlisted_readings import MOST_DAMPED, SWINGING
 from softid.effects import effect_of
 from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
@@ -21,15 +22,9 @@ MOST_HELD, START_HELD = 0.9, 0.2
 the actuator that swings at a third of its frequency keeps back a tenth, one of ten times its weight
 half."""
 
-MOST_DAMPED = 0.3
-"""Bound of either damping ratio: a load that is damped more does not swing."""
-
 SLOWER = (5.0, 8.0, 11.0, 16.0, 22.0, 32.0)
 """Starts of the period in times of the motion: what swings faster than the actuator is carried
 along."""
-
-SWINGING = "sensor_resonance"
-"""Key of the effect that swings as the load does."""
 
 
 @dataclass(frozen=True)

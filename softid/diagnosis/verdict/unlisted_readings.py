@@ -38,13 +38,13 @@ MOST_SWINGING, START_SWINGING = 0.6, 0.2
 flexible mount."""
 
 MOST_DAMPED = 0.3
-"""Bound of the damping ratio of a part that swings; a part that is damped more is about a lag."""
+"""Bound of the damping ratio of what swings; a part that is damped more is about a lag."""
 
 MEAN = "smoothing.mean"
 """Key of the effect that smooths a reading as such a record of the input was."""
 
 SWINGING = "sensor_resonance"
-"""Key of the effect that has the whole reading swing."""
+"""Key of the effect that has the whole reading swing, as a load does, too."""
 
 UNEVEN = "pneumatic_lag.separate"
 """Key of the effect that does to the input what an uneven sensor does to the reading."""

@@ -146,7 +146,8 @@ ALWAYS, NEVER = (-1.0, 41.0), (50.0, 51.0)
 
 
 def test_what_goes_on_in_what_judges_is_told_of_the_moment_it_began() -> None:
-    """A stiffness changes at 25 s for good. What judges in part has neither, or another one."""
+    """A stiffness changes at 25 s for good; not told where what judges misses something else, or
+    where what changes in the log is over in it."""
     train = changed((25.0, 41.0))
     (issue,) = issues_beside(train, changed(ALWAYS))
     assert re.search(r"confined to 2[45]\.\d s to the end of log-0: there ", issue.message)

@@ -75,7 +75,7 @@ def test_what_a_cause_may_do_as_well_is_told_where_none_does(
     monkeypatch.setattr(other_explanations, "difference_issues", lambda base: ())
     monkeypatch.setattr(other_explanations, "excess_of", lambda model, scale: 1.0)
     monkeypatch.setattr(other_explanations, "change_issues", lambda *a, alone=False: ())
-    monkeypatch.setattr(other_explanations, "spell_issues", lambda base: (SPELL,))
+    monkeypatch.setattr(other_explanations, "spell_issues", lambda *a: (SPELL,))
     others, base = OtherExplanations(), Base()
     found = others.laws(base, taken)  # type: ignore[arg-type]
     assert [issue.code for issue in found] == [UNLISTED_LAW] * told
@@ -88,9 +88,9 @@ def tip_that_swings(monkeypatch: pytest.MonkeyPatch, squares: float = 1.0) -> li
     asked: list[Any] = []
 
     def beyond(
-        base: Any, noise: float, laws: Any = (), *, anew: bool = False
+        base: Any, noise: float, laws: Any = (), *, at_starts: bool = False
     ) -> BeyondCatalogue | None:
-        asked.append("anew" if anew else laws)
+        asked.append("anew" if at_starts else laws)
         return swings if laws is NEAR_ONE else None
 
     monkeypatch.setattr(other_explanations, "beyond_catalogue", beyond)
@@ -143,9 +143,9 @@ def test_the_order_in_which_they_are_asked(
         return told("change", JUMPS) if alone else told("mixed", MIXED)
 
     def law(
-        base: Any, noise: float, laws: Any = (), *, anew: bool = False
+        base: Any, noise: float, laws: Any = (), *, at_starts: bool = False
     ) -> BeyondCatalogue | None:
-        name = "near one" if laws is NEAR_ONE else "anew" if anew else "law"
+        name = "near one" if laws is NEAR_ONE else "anew" if at_starts else "law"
         return LAW if told(name, MIXED) else None
 
     monkeypatch.setattr(

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from wrong_readings import read_with
 
 from softid.diagnosis import diagnose
 from softid.diagnosis_results import Diagnosis, Verdict
@@ -16,10 +15,8 @@ from softid.synthesis import hidden_pair
 def warming_up(log: Log, within_s: float) -> Log:
     """The log of a sensor that reads a sixteenth of its range too much when it is warm."""
     (name,) = log.outputs
-    channel = log.channels[name]
-    grown = np.ptp(channel.values) / 16.0 * (1.0 - np.exp(-log.time_s / within_s))
-    changed = replace(channel, values=channel.values + grown)
-    return replace(log, channels={**log.channels, name: changed})
+    span = float(np.ptp(log.channels[name].values))
+    return read_with(log, name, span / 16.0 * (1.0 - np.exp(-log.time_s / within_s)))
 
 
 def diagnosed(model: str, seed: int, within_s: float, *, is_warm: bool) -> Diagnosis:

@@ -89,7 +89,7 @@ def test_what_lies_beyond_a_valley_is_told_from_start_values_of_the_base() -> No
     base = request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
     noise = noise_variance(base.candidate, base.scale)
     assert beyond_catalogue(base, noise, (LoadDrift,)) is None
-    found = beyond_catalogue(base, noise, anew=True)
+    found = beyond_catalogue(base, noise, at_starts=True)
     assert found is not None
     assert found.laws[0].name == "load_drift"
     assert min(found.share, found.held_out_share) > 0.98

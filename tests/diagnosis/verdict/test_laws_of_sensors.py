@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from extended_fits import scale_of as sizes_of
+from wrong_readings import read_with
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.verdict.unlisted_drifts import SettlingPressure
@@ -45,13 +44,6 @@ SILENT = Rig(noise=0.0)
 """A sensor without noise, behind which another one may stand: its loop follows the motion alone."""
 
 
-def through(log: Log, name: str, change: np.ndarray) -> Log:
-    """The log with a channel that is read with an error."""
-    channels = dict(log.channels)
-    channels[name] = replace(channels[name], values=channels[name].values + change)
-    return replace(log, channels=channels)
-
-
 def with_a_loop_in_the_sensor(log: Log) -> Log:
     """−h z by Dahl's law in steps of its own, h an eighth, zs a fifth of the range; and noise."""
     y = log.channels[log.outputs[0]].values
@@ -63,13 +55,13 @@ def with_a_loop_in_the_sensor(log: Log) -> Log:
             z += (step - abs(step) * z) / (0.2 * span)
         lost[k] = -0.125 * span * z
     noise = 0.005 * span * np.random.default_rng(y.size).standard_normal(y.size)
-    return through(log, log.outputs[0], lost + noise)
+    return read_with(log, log.outputs[0], lost + noise)
 
 
 def with_a_gauge_that_warms_up(log: Log) -> Log:
     """The gauge reads an eighth of the range too much when it is warm, with 10 s."""
     span = float(np.ptp(log.channels["pressure"].values))
-    return through(log, "pressure", 0.125 * span * (1.0 - np.exp(-log.time_s / 10.0)))
+    return read_with(log, "pressure", 0.125 * span * (1.0 - np.exp(-log.time_s / 10.0)))
 
 
 @pytest.mark.parametrize("seed", [981001, pytest.param(981002, marks=pytest.mark.slow)])
