@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from softid.diagnosis.changes.log_differences import DELAY, LogDifferences
+from softid.diagnosis.changes.changed_numbers import DELAY
+from softid.diagnosis.changes.log_differences import LogDifferences
 from softid.diagnosis.changes.probes import ReadingProbe
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns

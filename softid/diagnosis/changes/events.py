@@ -11,11 +11,11 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.changed_numbers import squares_of
 from softid.diagnosis.changes.clock_jumps import is_clock_jump
 from softid.diagnosis.changes.log_differences import (
     LogDifferences,
     log_differences,
-    squares_of,
     squares_with,
 )
 from softid.diagnosis.changes.spells import Spells, is_of_a_jump, spells_elsewhere, spells_of

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.changes.changed_numbers import squares_of
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import (
     LogDifferences,
     log_differences,
-    squares_of,
     squares_with,
     turned_output,
 )

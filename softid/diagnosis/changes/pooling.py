@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import independent_share
-from softid.diagnosis.changes.log_differences import squares_of, standing_over
+from softid.diagnosis.changes.changed_numbers import squares_of, standing_over
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.parts_of_logs import (
     REFIT_EVALUATIONS,

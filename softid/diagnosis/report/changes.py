@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.changed_numbers import squares_of, standing_over
 from softid.diagnosis.changes.events import Event, events_in
 from softid.diagnosis.changes.held_out_difference import (
     gain_beside_difference,
@@ -18,11 +19,7 @@ from softid.diagnosis.changes.held_out_difference import (
     shows_motion_of,
 )
 from softid.diagnosis.changes.input_levels import have_same_levels
-from softid.diagnosis.changes.log_differences import (
-    log_differences,
-    squares_of,
-    standing_over,
-)
+from softid.diagnosis.changes.log_differences import log_differences
 from softid.diagnosis.changes.pooling import own_parameters
 from softid.diagnosis.changes.spells import Spells
 from softid.diagnosis.refit.candidates import Candidate

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from softid.diagnosis.changes.log_differences import SIGN, ZERO, LogDifferences
+from softid.diagnosis.changes.changed_numbers import SIGN
+from softid.diagnosis.changes.log_differences import ZERO, LogDifferences
 from softid.diagnosis.report.phrases import percent
 from softid.errors import Issue
 from softid.fitters.problem import Problem

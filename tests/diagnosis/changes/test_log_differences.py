@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
+from scipy.integrate import solve_ivp
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
+from softid.diagnosis.changes.changed_numbers import Change
 from softid.diagnosis.changes.held_out_difference import shows_motion_of
 from softid.diagnosis.changes.log_differences import (
     LogDifferences,
-    _Change,
     log_differences,
 )
 from softid.diagnosis.changes.probes import PROBES
@@ -28,6 +29,7 @@ from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.log import Log, LogSet
+from softid.models import Muscle
 
 Array = npt.NDArray[np.float64]
 
@@ -253,7 +255,7 @@ def test_a_parameter_that_was_zero_has_no_share() -> None:
     for known, share in ((0.0, None), (0.16, (0.25,))):
         values = {**truth, "offset": known}
         problem = Problem(model, model.parameters().with_values(values), [drive_log(known)])
-        left, size = _Change(("offset",), ("offset",), problem, values).on(drive_log(0.2))
+        left, size = Change(("offset",), ("offset",), problem, values).on(drive_log(0.2))
         assert left == pytest.approx(0.0, abs=1e-6)
         assert size == (share if share is None else pytest.approx(share, abs=1e-3))
 
@@ -265,3 +267,50 @@ def drive_log(offset_kpa: float) -> Log:
     u = pressure(1) - pressure(1).mean()
     angle = lsim(([1.0], [0.4, 10.0, 0.0]), u - offset_kpa, TIME_S, interp=True)[1]
     return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle}, name=f"drive-{offset_kpa}")
+
+
+@pytest.mark.parametrize(("mass", "weight"), [(1.3, 0.1), (2.0, 0.2)])
+def test_a_payload_of_a_muscle_is_inertia_and_load(mass: float, weight: float) -> None:
+    """Known truth; the zero of the second log is free.
+
+    In a muscle a gain of the reading with another zero is the same as a load, so that rounding
+    alone tells which of the two takes more.
+    """
+    model = Muscle(x_unit="rad")
+    theta = dict(zip(model.parameters(), (0.05, 0.5, 2.8, 2.5, 0.1, 1.8, 0.7), strict=True))
+    problem = Problem(model, model.parameters().with_values(theta), [muscle_log(0, theta)])
+    base = advance(standing(problem, problem.unknowns(theta)), {"angle": NOISE}, 40)
+    scale = scale_of(problem, base.minimum.point)
+    other = muscle_log(1, {**theta, "M": mass * theta["M"]}, weight * scale.force)
+    left = HeldOutLogs((other,)).first_errors(base)
+    found = log_differences(base, scale, [other], before=float(left @ left), noise=NOISE**2 * N)
+    assert found is not None
+    assert found.beside is not None
+    assert (found.kinds, found.beside.kinds[0]) == (("load",), "M")
+    assert found.sizes == pytest.approx((weight,), rel=0.15)
+    assert found.beside.sizes == pytest.approx((mass - 1.0,), abs=0.1)
+    assert len(found.beside.kinds) == 1
+
+
+def muscle_log(seed: int, theta: Mapping[str, float], load: float = 0.0) -> Log:
+    """M·ẍ + N(p)·ẋ + Q(p)·x = P(p) − load by scipy, from rest."""
+    kpa = pressure(seed)
+
+    def law(t: float, state: Array) -> tuple[float, float]:
+        bar = np.interp(t, TIME_S, kpa) / 100.0
+        rise = np.exp(theta["b1"] * bar)
+        damping = theta["a2"] * np.exp(theta["b2"] * bar) + theta["c2"]
+        spring = (theta["a1"] * rise + theta["c1"]) * state[0]
+        return state[1], (rise - load - damping * state[1] - spring) / theta["M"]
+
+    rest = (1.0 - load) / (theta["a1"] + theta["c1"])
+    found = solve_ivp(
+        law, (0.0, TIME_S[-1]), (rest, 0.0), t_eval=TIME_S, max_step=0.02, rtol=1e-7, atol=1e-9
+    )
+    noise = NOISE * np.random.default_rng(seed).standard_normal(N)
+    return Log.from_arrays(
+        TIME_S,
+        {"pressure": kpa, "angle": found.y[0] + noise},
+        units={"angle": "rad"},
+        name=f"muscle-{seed}",
+    )
