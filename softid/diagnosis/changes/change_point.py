@@ -15,12 +15,13 @@ import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.changes.probes import MotionProbe
+from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, shift_at
 from softid.diagnosis.refit.candidates import FINE_STEPS, Candidate, limited_plans
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.effects import extended_name
 from softid.effects.scale import Scale
-from softid.uncertainty.autoregression import autocovariance, fit_ar
+from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -78,7 +79,7 @@ class ChangePoint:
         Share of the misfit above the noise that a change of everything takes away.
     kind
         What changed: ``zero``, ``load``, ``clock`` or ``gain``; ``zero or load`` where each of the
-        two does as well, as under one stiffness throughout; empty where it is none of them alone.
+        two does as well and the course at the moment does not tell; empty where it is none alone.
     """
 
     log: int
@@ -111,7 +112,7 @@ def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint |
     columns = (by_load, *(row.jacobian for row in rows))
     if not all(np.isfinite(column).all() for column in columns):  # it runs away, or nearly so
         return None
-    look = _ScoreTest(rows, by_load)
+    look = _ScoreTest(model, rows, by_load)
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.place.log for row in look.rows}):
@@ -124,22 +125,22 @@ def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint |
 class _ScoreTest:
     """Residual of the first output, and the columns that a change is made of."""
 
-    def __init__(self, rows: Sequence[Rows], by_load: Array) -> None:
-        self.rows = rows
+    def __init__(self, model: Candidate, rows: Sequence[Rows], by_load: Array) -> None:
+        self.model, self.rows = model, rows
         jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.rate = _joined(self.rows, lambda row: row.motion.v)
         self.kinds = {
-            "zero": np.ones(self.rate.size),
-            "load": by_load,
+            ZERO: np.ones(self.rate.size),
+            LOAD: by_load,
             "clock": self.rate,
             "gain": _joined(self.rows, lambda row: row.motion.x),
         }
         self.time_s = _joined(self.rows, lambda row: row.motion.time_s)
         self.log = np.concatenate([np.full(row.residual.size, row.place.log) for row in self.rows])
         self.basis = basis_of(jacobian)
-        residual = np.concatenate([row.residual for row in self.rows])
-        self.left = project_out(self.basis, residual)
-        self.power = float(residual @ residual)
+        self.residual = np.concatenate([row.residual for row in self.rows])
+        self.left = project_out(self.basis, self.residual)
+        self.power = float(self.residual @ self.residual)
         self.columns = basis_of(np.column_stack((jacobian, self.rate, by_load)))
 
     def best_of(self, log: int, noise: float) -> ChangePoint | None:
@@ -163,6 +164,8 @@ class _ScoreTest:
         finer = [self.taken(self.columns, log, t) for t in near.tolist()]
         time_s, most = float(near[int(np.argmax(finer))]), max(finer)
         kind = self.kind_of(log, time_s, most)
+        if kind == EITHER:
+            kind = self.kind_of_shift(log, time_s)
         if not kind and most < TAKES_AT_LARGE * misfit:
             return None
         if self.taken_gradually(log, begin, length) > GRADUAL * most:
@@ -191,11 +194,21 @@ class _ScoreTest:
 
         A change holds on, so slow noise counts for as many samples fewer as are alike in it.
         """
+        gamma = autocovariance(self._noise(log, time_s), self.left.size)
+        return float(gamma[0] + 2.0 * gamma[1:].sum())
+
+    def kind_of_shift(self, log: int, time_s: float) -> str:
+        """Whether a zero or a load shifts a log from a moment on, by its course there."""
+        mine = self.log == log
+        noise = self._noise(log, time_s)
+        found = shift_at([time_s], self.model, self.time_s[mine], self.residual[mine], noise)
+        return EITHER if found is None else found.kind
+
+    def _noise(self, log: int, time_s: float) -> AutoRegression:
+        """What a change of everything at a moment leaves."""
         directions = self._directions(self.columns * self._is_after(log, time_s)[:, None])
         rest = project_out(directions, self.left)
-        ar = fit_ar(np.split(rest, np.cumsum([row.residual.size for row in self.rows])[:-1]))
-        gamma = autocovariance(ar, rest.size)
-        return float(gamma[0] + 2.0 * gamma[1:].sum())
+        return fit_ar(np.split(rest, np.cumsum([row.residual.size for row in self.rows])[:-1]))
 
     def _is_after(self, log: int, time_s: float) -> BoolArray:
         """Which samples come behind a moment of a log."""
@@ -217,7 +230,7 @@ class _ScoreTest:
             for name, column in self.kinds.items()
             if self.taken(column[:, None], log, time_s) > ALONE * most
         ]
-        return "zero or load" if alike[:2] == ["zero", "load"] else next(iter(alike), "")
+        return EITHER if alike[:2] == [ZERO, LOAD] else next(iter(alike), "")
 
 
 def _by_load(model: Candidate, scale: Scale) -> Array:

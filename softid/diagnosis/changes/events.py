@@ -18,13 +18,21 @@ from softid.diagnosis.changes.log_differences import (
     log_differences,
     squares_with,
 )
-from softid.diagnosis.changes.spells import Spells, is_of_a_jump, spells_elsewhere, spells_of
+from softid.diagnosis.changes.shifts import Shift, shift_at
+from softid.diagnosis.changes.spells import (
+    Spells,
+    is_of_a_jump,
+    residual_in,
+    spells_elsewhere,
+    spells_of,
+)
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.errors import IdentificationError, InputError
 from softid.log import Log
+from softid.uncertainty.autoregression import fit_ar
 
 PARTS_A_LOG = 0.985
 """Share of the misfit of a part of a log that one number takes away which parts it in two."""
@@ -53,6 +61,8 @@ class Event:
         Logs to judge by that have it throughout.
     recurs
         Whether others have such spells.
+    shift
+        What shifts the output there, where the model is linear and something does.
     """
 
     log: Log
@@ -60,6 +70,7 @@ class Event:
     change: LogDifferences | None
     lasts_in: Sequence[Log]
     recurs: bool
+    shift: Shift | None = None
 
 
 def events_in(base: BaseFit) -> list[Event]:
@@ -94,7 +105,8 @@ def events_in(base: BaseFit) -> list[Event]:
         lasts_in = [other for other, count in zip(judges, elsewhere, strict=True) if count is None]
         if lasts_in and not _has_lasted(spells, change, lasts_in, base):
             return []
-        found.append(Event(log, spells, change, lasts_in, any(elsewhere)))
+        shift = _shift_in(log, spells)
+        found.append(Event(log, spells, change, lasts_in, any(elsewhere), shift))
     return found
 
 
@@ -136,6 +148,18 @@ def _change_in(log: Log, spells: Spells, base: BaseFit) -> LogDifferences | None
         noise=spells.noise,
         zero_counts=True,
     )
+
+
+def _shift_in(log: Log, spells: Spells) -> Shift | None:
+    """What shifts the output when spells begin and end."""
+    at, left = residual_in(log, spells.reference)
+    time_s = log.time_s[at]
+    outside = np.ones(time_s.size, bool)
+    for begin, end in spells.spans_s:
+        outside &= (time_s < begin) | (time_s > end)
+    noise = fit_ar([np.where(outside, left, np.nan)])
+    within = [t for span in sorted(spells.spans_s) for t in span if time_s[0] < t < time_s[-1]]
+    return shift_at(within, spells.reference, time_s, left, noise)
 
 
 def _is_event(

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.changes.changed_numbers import SIGN, Change, Sizes, Turn, changes_of
+from softid.diagnosis.changes.shifts import ZERO
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.effects.scale import Scale
@@ -40,9 +41,6 @@ MUST_LEAVE = 0.5
 LEAST_START = 0.25
 """Share of the misfit above the noise that a change takes away by itself before a second one is
 tried beside it."""
-
-ZERO = "zero"
-"""Kind of a difference that every log has anyway."""
 
 
 @dataclass(frozen=True)

@@ -178,6 +178,22 @@ def is_of_a_jump(log: Log, span_s: tuple[float, float], motion_s: float) -> bool
     return bool(np.any((jumps_s <= begin) & (end <= jumps_s + DEAD_AFTER * motion_s)))
 
 
+def residual_in(log: Log, model: Candidate) -> tuple[npt.NDArray[np.intp], Array]:
+    """Places of the used samples of a log and what a model leaves of the first output there.
+
+    Parameters
+    ----------
+    log
+        The log.
+    model
+        A model, fitted to it or to a part of it.
+    """
+    everywhere = HeldOutBlocks((log,), (np.ones(len(log), bool),))
+    first = model.problem.outputs[0]
+    at = [s.start + np.flatnonzero(s.samples_of(s.used[first])) for s in log.segments()]
+    return np.concatenate(at), _of_first_output(everywhere, model)
+
+
 def loudest(excess: Array) -> tuple[int, int, float]:
     """The stretch of samples with the largest sum (Kadane): begin, end and that sum.
 
@@ -205,7 +221,7 @@ def _grown(
     """The spells beside a part of a log, after the part has grown by all that the model follows."""
     model, spans = fit(log if outside.all() else log.with_masked(~outside)), []
     for _ in range(FITS_PER_PART):
-        at, residual = _residual(log, model)
+        at, residual = residual_in(log, model)
         inside = ~outside[at]
         if not np.isfinite(residual).all() or inside.all():
             return None
@@ -225,7 +241,7 @@ def _grown(
 
 def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spells | None:
     """The spells, if outside of them no more than noise is left, in most of the log."""
-    at, residual = _residual(log, model)
+    at, residual = residual_in(log, model)
     inside = ~outside[at]
     if not inside.any() or np.count_nonzero(~inside) < LEAST_OUTSIDE * inside.size:
         return None
@@ -277,14 +293,6 @@ def _loud_stretches(excess: Array) -> list[tuple[int, int]]:
         pieces += [(a, a + begin), (a + end, b)]
         least = max(least, LESSER * total)
     return found
-
-
-def _residual(log: Log, model: Candidate) -> tuple[npt.NDArray[np.intp], Array]:
-    """Places of the used samples and what a model leaves of the first output there."""
-    everywhere = HeldOutBlocks((log,), (np.ones(len(log), bool),))
-    first = model.problem.outputs[0]
-    at = [s.start + np.flatnonzero(s.samples_of(s.used[first])) for s in log.segments()]
-    return np.concatenate(at), _of_first_output(everywhere, model)
 
 
 def _of_first_output(held_out: HeldOut, model: Candidate) -> Array:

@@ -21,6 +21,7 @@ from softid.diagnosis.changes.held_out_difference import (
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import log_differences
 from softid.diagnosis.changes.pooling import own_parameters
+from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO
 from softid.diagnosis.changes.spells import Spells
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
@@ -42,9 +43,9 @@ HELD_OUT_CHANGE = "held-out-change"
 """Code of the remark that what is held out differs, from a moment on or throughout."""
 
 CHANGES = {
-    "zero": "its zero jumps there",
-    "load": "a constant load changes there",
-    "zero or load": "its zero jumps there, or a constant load changes",
+    ZERO: "its zero jumps there",
+    LOAD: "a constant load changes there",
+    EITHER: "its zero jumps there, or a constant load changes",
     "clock": "its clock jumps there against that of the input",
     "gain": "its gain changes there, or the stiffness of the actuator does",
     "": "there the model changes in more than one way",
@@ -161,12 +162,16 @@ def spell_issues(
             "warning",
             f"the misfit of {first} is confined to {_when(event.spells, event.log)} of "
             f"{event.log.name}"
-            f"{OUTSIDE_NOISE if event.change is None else texts.in_spell(event.change)}"
-            f"{_throughout(event.lasts_in)}{RECURS if event.recurs else ''}",
+            f"{_what(event, texts)}{_throughout(event.lasts_in)}{RECURS if event.recurs else ''}",
             LOOK_THEN,
         )
         for event in find(base)
     )
+
+
+def _what(event: Event, texts: DifferenceTexts) -> str:
+    """What changes in an event, if it is known."""
+    return OUTSIDE_NOISE if event.change is None else texts.in_spell(event.change, event.shift)
 
 
 def _throughout(logs: Sequence[Log]) -> str:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from softid.diagnosis.changes.changed_numbers import SIGN
-from softid.diagnosis.changes.log_differences import ZERO, LogDifferences
+from softid.diagnosis.changes.log_differences import LogDifferences
+from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, Shift
 from softid.diagnosis.report.phrases import percent
 from softid.errors import Issue
 from softid.fitters.problem import Problem
@@ -23,7 +24,7 @@ DIFFERENCES = {
     "delay": "the delay of the reading",
     "drift": "the drift of the reading",
     "settling_drift": "a drift of the reading that settles, as that of a sensor that warms up,",
-    "load": "a constant load",
+    LOAD: "a constant load",
     "stiffness": "the stiffness",
     "damping": "the damping",
     "pressure_gain": "the gain of the pressure",
@@ -33,6 +34,9 @@ DIFFERENCES = {
 
 ZERO_OR_LOAD = "the zero of the reading or a constant load"
 """A zero under one stiffness throughout, where a load adds the same once it is settled."""
+
+SHIFTS = {ZERO: DIFFERENCES[ZERO], LOAD: DIFFERENCES[LOAD], EITHER: ZERO_OR_LOAD}
+"""What shifts an output, in words."""
 
 INERTIA = "the inertia {}"
 """The parameter of a model that is its inertia, in words."""
@@ -67,6 +71,8 @@ class DifferenceTexts:
     ----------
     output
         The output.
+    shown
+        The factor and the unit in which it is told.
     inertia
         The parameter of its model that is the inertia, if there is one.
     is_linear
@@ -74,6 +80,7 @@ class DifferenceTexts:
     """
 
     output: str
+    shown: tuple[float, str]
     inertia: str | None
     is_linear: bool
 
@@ -86,8 +93,10 @@ class DifferenceTexts:
         problem
             The problem.
         """
-        model = problem.model
-        return cls(problem.outputs[0], model.inertia_parameter, model.is_linear)
+        model, output = problem.model, problem.outputs[0]
+        channel = problem.logs[0].channels[output]
+        shown = (channel.display_factor, channel.display_unit)
+        return cls(output, shown, model.inertia_parameter, model.is_linear)
 
     def issue(self, found: LogDifferences, logs: Sequence[Log], reference: str) -> Issue:
         """What differs from log to log.
@@ -115,21 +124,33 @@ class DifferenceTexts:
             APART,
         )
 
-    def in_spell(self, found: LogDifferences) -> str:
+    def in_spell(self, found: LogDifferences, shift: Shift | None = None) -> str:
         """What a spell of a log is like.
 
         Parameters
         ----------
         found
             How it differs from the rest of the log.
+        shift
+            What shifts the output there; None where that is not known.
         """
         kind, last = found.kinds[0], found.beside or found
         either = kind == ZERO and self.is_linear
         changes = f"{ZERO_OR_LOAD if either else self.title(kind)} changes{_by(found)}"
+        if either and shift is not None:
+            changes = f"{SHIFTS[shift.kind]} changes"
         if found.beside is not None:
             changes += f" and {self.title(last.kinds[0])} changes{_by(last)}"
+        shifts = ""
+        if shift is not None:
+            factor, unit = self.shown
+            changes += "" if either else f" and {SHIFTS[shift.kind]} changes"
+            is_payload = self.inertia in (kind, last.kinds[0]) and shift.kind == LOAD
+            changes += PAYLOAD if is_payload else ""
+            shifts = f"shifts {self.output} by {shift.size * factor:+.3g} {unit} and "
         return (
-            f": there {changes}, which takes away {percent(last.share)} of it{self._or_else(last)}"
+            f": there {changes}, which {shifts}takes away {percent(last.share)} of it"
+            f"{self._or_else(last)}"
         )
 
     def payload(self, kind: str) -> str:

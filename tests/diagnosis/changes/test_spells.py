@@ -34,6 +34,7 @@ Array = npt.NDArray[np.float64]
 N, NOISE = 2000, 0.01
 TIME_S = np.arange(N) / RATE_HZ
 SOFT = {**TRUTH, "Q": 0.8 * TRUTH["Q"]}
+RINGING = {**TRUTH, "M": 2.0, "N": 4.0}
 
 
 def pressure() -> Array:
@@ -228,11 +229,28 @@ def test_what_changes_there_is_told() -> None:
     assert "the stiffness" in message
 
 
-def test_a_shift_in_a_linear_model_is_of_the_zero_or_of_a_load() -> None:
-    """Only their coming and going differs, and nothing here looks at that."""
-    shifted = linear_angle(TIME_S, pressure()) + 0.2 * between((12.0, 17.0))
-    message = issues_of(log_of(shifted))
-    assert "there the zero of the reading or a constant load changes" in message
+def test_a_shift_is_of_the_zero_or_of_a_load() -> None:
+    """Known truth: the reading jumps, or the actuator moves as far under a load."""
+    there = between((12.0, 17.0))
+    jumps = linear_angle(TIME_S, pressure()) + 0.2 * there
+    moves = linear_angle(TIME_S, pressure() + 0.2 * TRUTH["Q"] * there)
+    for angle, what in ((jumps, "the zero of the reading"), (moves, "a constant load")):
+        told = re.search(
+            rf": there {what} changes, which shifts angle by \+([0-9.]+) rad and takes away",
+            issues_of(log_of(angle)),
+        )
+        assert told is not None
+        assert float(told[1]) == pytest.approx(0.2, abs=0.01)
+
+
+def test_a_payload_is_inertia_and_load() -> None:
+    """Known truth: half as much inertia again, and a weight."""
+    heavy, there = {**RINGING, "M": 1.5 * RINGING["M"]}, between((12.0, 17.0))
+    light = linear_angle(TIME_S, pressure(), RINGING)
+    loaded = linear_angle(TIME_S, pressure() - 5.0, heavy)
+    message = issues_of(log_of(np.where(there, loaded, light)))
+    assert "there the inertia M changes by +" in message
+    assert "and a constant load changes, as with another payload, which shifts" in message
 
 
 CHIRP = 55.0 + 45.0 * np.sin(0.5 * (TIME_S - 20.0) ** 2)
