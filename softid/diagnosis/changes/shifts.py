@@ -13,6 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
+from softid.effects import ExtendedModel
+from softid.segment import Segment
 from softid.uncertainty.autoregression import AutoRegression, whiten
 
 Array = npt.NDArray[np.float64]
@@ -34,12 +36,44 @@ FINER = 41
 LEAST_SAMPLES = 10
 """Least samples on either side of a moment of which a course is seen."""
 
-ALIKE = 1e-6
-"""Two poles whose ratio is as near to one, or to nothing, are taken to be that far from it."""
+POINTS = 1000
+"""Points of the course of a load until it has settled, and as many behind that."""
 
 DECISIVE = 30.0
 """Sums of squares, in variances of white noise, by which one course explains a log better than
 another where the log tells them apart: odds of exp(15)."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCourse:
+    """How an actuator goes to where a load moves it.
+
+    Attributes
+    ----------
+    time_s, share
+        Times after the moment, and share of what stays, shape (n,).
+    settled_s
+        The time after which its inertia and damping hold nothing back; the material may go on.
+    """
+
+    time_s: Array
+    share: Array
+    settled_s: float
+
+    def __call__(self, since_s: Array) -> Array:
+        """Share of what stays, times after the moment."""
+        return np.interp(since_s, self.time_s, self.share, left=0.0)
+
+
+def reading_jumps(since_s: Array) -> Array:
+    """The course of a reading that jumps.
+
+    Parameters
+    ----------
+    since_s
+        Times after the moment.
+    """
+    return np.where(since_s > 0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -52,10 +86,13 @@ class Shift:
         ``zero``, ``load``, or ``zero or load``.
     size
         What stays of it, in the unit of the output.
+    course
+        The course that explains more.
     """
 
     kind: str
     size: float
+    course: Course
 
 
 def shift_at(
@@ -70,7 +107,7 @@ def shift_at(
     moments_s
         About when it comes and goes, in turn.
     model
-        A linear model without effects.
+        A model. What is not linear in its motion hardly counts about a moment.
     time_s, left
         Samples of the log and what the model leaves of them, shape (n,).
     noise
@@ -79,27 +116,75 @@ def shift_at(
     Returns
     -------
     Shift or None
-        None where nothing shifts, or the model is another one.
+        None where nothing shifts, the model without effects is not linear, or there are effects on
+        its output.
     """
-    found = _settling(model)
-    if found is None or not noise.sigma_innovation > 0.0:
+    load = _load_course(model)
+    if load is None or not noise.sigma_innovation > 0.0:
         return None
-    settling, settled_s = found
-    courses: dict[str, Course] = {ZERO: _jump, LOAD: settling}
-    wide_s = max(settled_s, LEAST_SAMPLES * float(np.median(np.diff(time_s))))
+    courses: dict[str, Course] = {ZERO: reading_jumps, LOAD: load}
+    wide_s = max(load.settled_s, LEAST_SAMPLES * float(np.median(np.diff(time_s))))
     nearest = np.argmin(np.abs(time_s[:, None] - np.array(moments_s)), axis=1)
     falls, sizes = dict.fromkeys(courses, 0.0), dict.fromkeys(courses, 0.0)
     for k, at in enumerate(moments_s):
         near = (nearest == k) & (np.abs(time_s - at) <= wide_s)
         window = _Window(time_s[near], left[near], noise)
         for kind, course in courses.items():
-            fall, size = window.best(course, COARSE * settled_s / SETTLED)
+            fall, size = window.best(course, COARSE * load.settled_s / SETTLED)
             falls[kind] += fall
             sizes[kind] += size * (-1) ** k / len(moments_s)
     kind, other = (LOAD, ZERO) if falls[LOAD] > falls[ZERO] else (ZERO, LOAD)
     if not falls[kind] > DECISIVE:
         return None
-    return Shift(kind if falls[kind] - falls[other] > DECISIVE else EITHER, sizes[kind])
+    is_told = falls[kind] - falls[other] > DECISIVE
+    return Shift(kind if is_told else EITHER, sizes[kind], courses[kind])
+
+
+def _load_course(model: Candidate) -> LoadCourse | None:
+    """The course of a load; None where no base is linear, or the sensor has a course, too."""
+    law, values = model.problem.model, model.parameters
+    inertia, stiffness = (
+        values.get(name or "", 0.0) for name in (law.inertia_parameter, law.stiffness_parameter)
+    )
+    damping = sum(values.get(name, 0.0) for name in law.damping_parameters)
+    twice = damping + np.sqrt(complex(damping**2 - 4.0 * inertia * stiffness))
+    is_bare = all(effect.stage != "output" for effect in model.effects)
+    if not (law.without_effects.is_linear and is_bare and twice.real > 0.0 and stiffness > 0.0):
+        return None
+    settled_s = SETTLED / float((2.0 * stiffness / twice).real)
+    lasts_s = max(float(np.ptp(log.time_s)) for log in model.problem.logs)
+    near_s = np.linspace(0.0, 2.0 * settled_s, POINTS)
+    far_s = np.geomspace(near_s[-1], max(lasts_s, 2.0 * near_s[-1]), POINTS)
+    time_s = np.concatenate((near_s, far_s[1:]))
+    share = _response_to_level(model, time_s, stiffness)
+    return LoadCourse(time_s, share, settled_s) if np.isfinite(share).all() else None
+
+
+def _response_to_level(model: Candidate, time_s: Array, level: float) -> Array:
+    """Response to a level of the input from rest at zero, with what is linear in the motion."""
+    whole = model.problem.model
+    inner = whole.without_effects
+    effects = tuple(e for e in model.effects if e.stage == "state" and e.is_linear)
+    if isinstance(whole, ExtendedModel) and effects:
+        inner = ExtendedModel(whole.without_effects, effects, whole.scale)
+    values, name = model.parameters, model.problem.outputs[0]
+    theta = np.array([values[parameter] for parameter in inner.parameters()])
+    input_level = values.get(inner.rest_parameter or "", 0.0) + level / values.get("G", 1.0)
+    none = {name: np.zeros(time_s.size)}
+    segment = Segment(
+        model.problem.logs[0].name,
+        0,
+        0,
+        time_s.size,
+        time_s,
+        np.full(time_s.size, input_level),
+        none,
+        {name: np.zeros(time_s.size, bool)},
+    )
+    found = inner.response(
+        theta, segment, [name], start=np.zeros(len(inner.start_states)), derivatives=False
+    )
+    return found.outputs[name]
 
 
 class _Window:
@@ -135,35 +220,3 @@ class _Window:
         white = whiten(self._noise, values)
         rest: Array = white - np.multiply.outer(self._level, self._level @ white)
         return rest
-
-
-def _jump(since_s: Array) -> Array:
-    """A reading that jumps."""
-    return np.where(since_s > 0.0, 1.0, 0.0)
-
-
-def _settling(model: Candidate) -> tuple[Course, float] | None:
-    """How a linear actuator goes to where a load moves it, and the time in which it has settled.
-
-    1 − (exp(p t) − r exp(p t/r))/(1 − r) with the slower pole p of M·p² + N·p + Q = 0 and the ratio
-    r of the poles; without inertia r is 0.
-    """
-    law, values = model.problem.model, model.parameters
-    inertia, stiffness = (
-        values.get(name or "", 0.0) for name in (law.inertia_parameter, law.stiffness_parameter)
-    )
-    damping = sum(values.get(name, 0.0) for name in law.damping_parameters)
-    twice = damping + np.sqrt(complex(damping**2 - 4.0 * inertia * stiffness))
-    if not law.is_linear or model.effects or not twice.real > 0.0 or not stiffness > 0.0:
-        return None
-    slow, ratio = -2.0 * stiffness / twice, 4.0 * inertia * stiffness / twice**2
-    if abs(1.0 - ratio) < ALIKE:
-        ratio = 1.0 - ALIKE
-
-    def settling(since_s: Array) -> Array:
-        after = np.maximum(since_s, 0.0)
-        fast = ratio * np.exp(slow * after / ratio) if abs(ratio) > ALIKE else 0.0
-        share: Array = 1.0 - ((np.exp(slow * after) - fast) / (1.0 - ratio)).real
-        return np.where(since_s > 0.0, share, 0.0)
-
-    return settling, SETTLED / float(-slow.real)

@@ -1,7 +1,8 @@
-"""Jumps of a sensor's zero that other causes of a misfit may hide.
+"""Jumps of a sensor's zero, or of a load, that other causes of a misfit may hide.
 
 A sensor that slips is told by `change_point` where that is all there is. Beside a cause it takes a
 part of the misfit only, and the cause cannot be found before the jump is taken out of the readings.
+A load that is put on a linear actuator shifts the readings, too, once the motion has settled.
 """
 
 from __future__ import annotations
@@ -13,17 +14,37 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.changes.change_point import EDGE, MEDIAN_SHARE, MOMENTS
+from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, Course, reading_jumps, shift_at
 from softid.diagnosis.logs.decimation import AveragedLog
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.errors import Issue
 from softid.identification.slow_outputs import SlowOutputLog
 from softid.log import Log
+from softid.uncertainty.autoregression import fit_ar
 
 Array = npt.NDArray[np.float64]
 
 ZERO_JUMP = "zero-jump"
 """Code of the remark that readings are taken without a jump."""
+
+SLIPPED, LOADED = "a slipped mount or a touched cable", "a payload that was put on or taken off"
+TOLD = {
+    ZERO: (
+        "the zero of {name} jumps by {size} at {time}, as where a sensor slips or is touched",
+        SLIPPED,
+    ),
+    LOAD: (
+        "the motion goes to another place at {time}, {name} by {size}, as where a load is put on "
+        "or taken off",
+        LOADED,
+    ),
+    EITHER: (
+        "the zero of {name} jumps by {size} at {time}, or a load is put on or taken off",
+        f"{SLIPPED}, or {LOADED}",
+    ),
+}
+"""Each kind of a jump in words, and what to look for."""
 
 LEAST_TAKEN = 0.25
 """A jump must take away so much of the misfit above the noise."""
@@ -35,7 +56,7 @@ search must stay below."""
 
 @dataclass(frozen=True)
 class ZeroJump:
-    """The zero of the first output is another one from a moment on.
+    """The first output is shifted from a moment on.
 
     Attributes
     ----------
@@ -45,11 +66,27 @@ class ZeroJump:
         The last moment before.
     size
         What is added from then on, in the output's unit.
+    kind
+        ``zero``, ``load``, or ``zero or load``, as of a `Shift`.
+    course
+        How it comes to be added.
     """
 
     log: str
     time_s: float
     size: float
+    kind: str = ZERO
+    course: Course = reading_jumps
+
+    def at(self, time_s: Array) -> Array:
+        """What is added at some times.
+
+        Parameters
+        ----------
+        time_s
+            Times of the log, shape (n,).
+        """
+        return self.size * self.course(time_s - self.time_s)
 
 
 def zero_jumps(model: Candidate, excess: float) -> tuple[ZeroJump, ...]:
@@ -86,7 +123,7 @@ def seen_again(model: Candidate, jumps: Sequence[ZeroJump]) -> tuple[ZeroJump, .
     look = _Steps.of(model)
     if look is None:
         return tuple(jumps)
-    return tuple(look.seen_again(jump, model.problem.logs) for jump in jumps)
+    return tuple(look.seen_again(jump, model) for jump in jumps)
 
 
 def without_jumps(log: Log, jumps: Iterable[ZeroJump]) -> Log:
@@ -109,19 +146,20 @@ def _issue(log: Log, jump: ZeroJump) -> Issue:
     name = log.outputs[0]
     channel = log.channels[name]
     size = f"{jump.size * channel.display_factor:+.3g} {channel.display_unit}"
+    told, remedy = TOLD[jump.kind]
+    what = told.format(name=name, size=size, time=f"{jump.time_s:.4g} s")
     return Issue(
         ZERO_JUMP,
         "warning",
-        f"{log.name}: the zero of {name} jumps by {size} at {jump.time_s:.4g} s, as where a sensor "
-        "slips or is touched; the causes are those of the readings without that jump",
-        "look at what happened then, such as a slipped mount or a touched cable",
+        f"{log.name}: {what}; the causes are those of the readings without that",
+        f"look at what happened then, such as {remedy}",
     )
 
 
 def _without(log: Log, jump: ZeroJump) -> Log:
     name = log.outputs[0]
     channel = log.channels[name]
-    values = channel.values - jump.size * (log.time_s > jump.time_s)
+    values = channel.values - jump.at(log.time_s)
     channels = {**log.channels, name: replace(channel, values=values)}
     if isinstance(log, (AveragedLog, SlowOutputLog)):
         return replace(log, channels=channels, recorded=_without(log.recorded, jump))
@@ -136,13 +174,14 @@ class _Steps:
     ----------
     basis
         Of the derivatives of the response and the rate of the output, shape (m, k).
-    left
-        What the model leaves beside them, shape (m,).
+    residual, left
+        What the model leaves, and what is left of that beside them, shape (m,).
     time_s, log
         Time and index of the log of each sample, shape (m,).
     """
 
     basis: Array
+    residual: Array
     left: Array
     time_s: Array
     log: npt.NDArray[np.intp]
@@ -158,17 +197,18 @@ class _Steps:
         rate = np.concatenate([row.motion.v[row.used] for row in rows])[:, None]
         basis = basis_of(jacobian)
         basis = np.column_stack((basis, added_basis(basis, rate)))
-        left = project_out(basis, np.concatenate([row.residual for row in rows]))
+        residual = np.concatenate([row.residual for row in rows])
+        left = project_out(basis, residual)
         time_s = np.concatenate([row.motion.time_s[row.used] for row in rows])
-        return cls(basis, left, time_s, np.concatenate([_index(row) for row in rows]))
+        return cls(basis, residual, left, time_s, np.concatenate([_index(row) for row in rows]))
 
-    def at(self, log: int, time_s: float) -> Array:
+    def at(self, log: int, time_s: float, course: Course = reading_jumps) -> Array:
         """A step of a log at a moment, beside what the model can make up for."""
-        return project_out(self.basis, ((self.log == log) & (self.time_s > time_s)).astype(float))
+        return project_out(self.basis, (self.log == log) * course(self.time_s - time_s))
 
-    def fall(self, left: Array, log: int, time_s: float) -> float:
+    def fall(self, left: Array, log: int, time_s: float, course: Course = reading_jumps) -> float:
         """How much of a sum of squares a step takes away."""
-        step = self.at(log, time_s)
+        step = self.at(log, time_s, course)
         return float((step @ left) ** 2 / max(float(step @ step), np.finfo(float).tiny))
 
     def likely_jump(self, log: int, member: Log, misfit: float) -> ZeroJump | None:
@@ -185,23 +225,32 @@ class _Steps:
         is_there = most > LEAST_TAKEN * misfit and float(taken[far].max()) < DISTINCT * most
         if not is_there or float(np.median(taken)) > MEDIAN_SHARE * most:
             return None
-        return self._nearest(self.left, log, member.name, float(moments[best]))
+        return self._nearest(self.left, log, ZeroJump(member.name, float(moments[best]), 0.0))
 
-    def seen_again(self, jump: ZeroJump, logs: Sequence[Log]) -> ZeroJump:
-        """A jump that was taken out, at the moment near its own that takes most."""
-        log = next(k for k, member in enumerate(logs) if member.name == jump.log)
-        left = self.left + jump.size * self.at(log, jump.time_s)
-        return self._nearest(left, log, jump.log, jump.time_s)
+    def seen_again(self, jump: ZeroJump, model: Candidate) -> ZeroJump:
+        """A jump that was taken out, at the moment near its own that takes most, of its kind."""
+        log = next(k for k, member in enumerate(model.problem.logs) if member.name == jump.log)
+        left = self.left + jump.size * self.at(log, jump.time_s, jump.course)
+        again = self._nearest(left, log, jump)
+        mine = self.log == log
+        time_s, residual = self.time_s[mine], self.residual[mine]
+        whole, noise = residual + jump.at(time_s), fit_ar([residual])
+        shift = shift_at([again.time_s], model, time_s, whole, noise)
+        if shift is None:
+            is_linear = model.problem.model.without_effects.is_linear
+            return replace(again, kind=EITHER if is_linear else ZERO)
+        again = replace(again, kind=shift.kind, course=shift.course)
+        return self._nearest(left, log, again)
 
-    def _nearest(self, left: Array, log: int, name: str, time_s: float) -> ZeroJump:
-        """The jump at the sample near a moment behind which a step takes most."""
+    def _nearest(self, left: Array, log: int, jump: ZeroJump) -> ZeroJump:
+        """The jump at the sample near its moment behind which it takes most."""
         mine = self.time_s[self.log == log]
-        off = np.abs(mine - time_s)
+        off = np.abs(mine - jump.time_s)
         reach = max(float(np.ptp(mine)) / MOMENTS, float(off.min()))  # readings may be lost there
         near = mine[off <= reach]
-        at = max(near.tolist(), key=lambda t: self.fall(left, log, t))
-        step = self.at(log, at)
-        return ZeroJump(name, at, float(step @ left / (step @ step)))
+        at = max(near.tolist(), key=lambda t: self.fall(left, log, t, jump.course))
+        step = self.at(log, at, jump.course)
+        return replace(jump, time_s=at, size=float(step @ left / (step @ step)))
 
 
 def _index(row: Rows) -> npt.NDArray[np.intp]:

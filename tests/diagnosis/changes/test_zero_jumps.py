@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
-from linear_motion import RATE_HZ, linear_log, linear_problem, standing
+from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.changes.zero_jumps import (
     ZERO_JUMP,
@@ -79,6 +79,27 @@ def test_a_jump_that_was_taken_out_wrongly_is_seen_again() -> None:
     (jump,) = seen_again(model, [rough])
     assert jump.time_s == pytest.approx(AT_S, abs=1.5 / RATE_HZ)
     assert jump.size == pytest.approx(SIZE, rel=0.05)
+
+
+def test_a_load_is_taken_out_along_its_course() -> None:
+    """Known truth: the actuator moves to its new place, and no reading jumps."""
+    pressure = np.where(TIME_S > AT_S, SIZE * TRUTH["Q"], 0.0)
+    moved = log_with(linear_angle(TIME_S, pressure))
+    model = fitted(moved)
+    rough = zero_jumps(model, excess(model))
+    for _ in range(3):
+        model = fitted(without_jumps(moved, rough))
+        rough = seen_again(model, rough)
+    (jump,) = rough
+    assert jump.kind == "load"
+    assert jump.time_s == pytest.approx(AT_S, abs=1.5 / RATE_HZ)
+    assert jump.size == pytest.approx(SIZE, rel=0.05)
+    assert excess(model) == pytest.approx(0.0, abs=0.1)
+    (issue,) = without_jumps(moved, [jump]).issues
+    assert f"another place at {jump.time_s:.4g} s, angle by +0.2 rad, as where" in issue.message
+    either = replace(jump, kind="zero or load")
+    (issue,) = without_jumps(moved, [either]).issues
+    assert ", or a load is put on or taken off; the causes" in issue.message
 
 
 @pytest.mark.parametrize("count", [1, 4])

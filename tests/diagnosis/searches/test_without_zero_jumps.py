@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from recovery import all_recovered
+from scipy.signal import step
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Recordings, Request
@@ -81,6 +82,40 @@ def test_a_slip_of_the_judge_is_told_too() -> None:
     found = diagnose(logs[0], hold_out=[logs[1]], model="muscle", effects=["coulomb_friction"])
     assert [cause.effect for cause in found.causes] == ["coulomb_friction"]
     assert [issue.code for issue in found.issues].count(ZERO_JUMP) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 8])
+def test_a_cause_is_named_beside_a_load(seed: int) -> None:
+    """Stands on the truth of the generator, and on the closed form of what a load adds to it.
+
+    An oscillator that creeps is linear: M·s² + N·s + Q + k·τ·s/(τ·s + 1) is its stiffness.
+    """
+    pair = hidden_pair(["creep"], seed=seed, model="oscillator")
+    train, hold_out = pair.logs
+    at_s = round(SLIPS_AT * train.time_s[-1], 1)
+    (name,) = train.outputs
+    channel = train.channels[name]
+    size = 0.3 * np.nanstd(channel.values)
+    moved = channel.values + size * creeping_step(pair, train.time_s - at_s)
+    loaded = replace(train, channels={**train.channels, name: replace(channel, values=moved)})
+    found = diagnose(loaded, hold_out=[hold_out], model="oscillator")
+    (told,) = [issue.message for issue in found.issues if issue.code == ZERO_JUMP]
+    assert f"goes to another place at {at_s:.4g} s, {name} by {size:+.2g}"[:-1] in told
+    assert [cause.effect for cause in found.causes] == ["creep"]
+    assert all_recovered(found, pair)
+
+
+def creeping_step(pair: HiddenPair, since_s: np.ndarray) -> np.ndarray:
+    """How an oscillator that creeps goes to where a load moves it at once."""
+    values, hidden = pair.actuator.values, pair.hidden["creep"]
+    tau, bare = hidden["tau"], [values["M"], values["N"], values["Q"]]
+    creeps = np.array([0.0, 0.0, hidden["k"] * tau, 0.0])
+    denominator = np.polymul(bare, [tau, 1.0]) + creeps
+    after = np.maximum(since_s, 0.0)
+    fine_s = np.linspace(0.0, after[-1], 20_000)
+    share = step((values["Q"] * np.array([tau, 1.0]), denominator), T=fine_s)[1]
+    return np.where(since_s > 0.0, np.interp(after, fine_s, share), 0.0)
 
 
 @pytest.mark.slow
