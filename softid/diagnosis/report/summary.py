@@ -19,6 +19,7 @@ from softid.diagnosis.report.phrases import given_up
 from softid.diagnosis.report.remarks import Remarks
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.report.timing import UNCERTAIN_TIMES
+from softid.diagnosis.report.unlisted_texts import UNLISTED_LAW
 from softid.diagnosis.report.what_is_left import WhatIsLeft
 from softid.diagnosis.searches.fitted_together import NOT_TOGETHER, TOLD_TOGETHER
 from softid.diagnosis_results import Diagnosis, Verdict, dropped_from
@@ -127,8 +128,15 @@ def _without_misfit(left: WhatIsLeft, remarks: Remarks) -> list[str]:
 def _without_name(found: Diagnosis, left: WhatIsLeft, remarks: Remarks) -> list[str]:
     """What is said of a misfit that no cause is named for."""
     changes = [sentence(change) for change in remarks.changes]
+    if found.descriptive and not found.remainder.structured and _has_law(found):
+        changes += left.beside_laws(found.descriptive)
     told = changes or left.by_unknown(found.descriptive or found.causes, remarks.laws)
     return [*told, *map(sentence, remarks.held_out_changes)]
+
+
+def _has_law(found: Diagnosis) -> bool:
+    """Whether a law in no catalogue accounts for the misfit."""
+    return any(issue.code == UNLISTED_LAW for issue in found.issues)
 
 
 def _with_names(

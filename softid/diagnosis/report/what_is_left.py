@@ -115,12 +115,9 @@ class WhatIsLeft:
                 f"No effect takes away more than {share} of the misfit of the fitted samples."
             )
         elif tried:
-            names = listed([lowered(cause.title) for cause in tried])
-            takes = "takes" if len(tried) == 1 else "take"
             if laws:
-                share = percent(remainder.explained_share)
-                told.append(f"Of the effects in the catalogue, {names} {takes} away {share}.")
-                return told
+                return [*told, *self.beside_laws(tried)]
+            names = listed([lowered(cause.title) for cause in tried])
             alone = f"The best description, {names}, takes"
             best = alone if len(tried) == 1 else f"The best descriptions, {names}, together take"
             told.append(f"{best} away {taken_by(remainder)}.")
@@ -133,6 +130,20 @@ class WhatIsLeft:
             told.append(f"What is left on the fitted samples, {self.size} rms, {self.nature}.")
             return [*told, self.teller.more_held_out(remainder)]
         return [*told, self._more_than_noise()]
+
+    def beside_laws(self, tried: Sequence[Cause]) -> list[str]:
+        """What effects in the catalogue do beside laws in none, and what is against them.
+
+        Parameters
+        ----------
+        tried
+            The descriptions.
+        """
+        names = listed([lowered(cause.title) for cause in tried])
+        takes = "takes" if len(tried) == 1 else "take"
+        share = percent(self.remainder.explained_share)
+        told = f"Of the effects in the catalogue, {names} {takes} away {share}."
+        return [told] if self.remainder.structured else [told, *doubts_about(tried)]
 
     def by_partial(self) -> list[str]:
         """The share that is explained, and what is left where that is more than noise."""
