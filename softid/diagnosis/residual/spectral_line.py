@@ -48,6 +48,10 @@ MIXED_ORDERS = ((1, 1), (1, 2), (2, 1))
 ABOVE_BESIDE = 12.0
 """Times the power of the bins beside it that a line of the input holds at least."""
 
+SHARPER = 30.0
+"""A line that stands out of the bins beside it so many times as far as any of the input's does is
+made of none: chance makes weak lines of random steps, whose multiples are everywhere."""
+
 QUARTERS = 4
 """Parts of a log, in all but one of which a line must be as strong as on the whole."""
 
@@ -105,7 +109,7 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     power, driven = _power(residual), _power(u)
     frequency = np.fft.rfftfreq(n, time_s[1] - time_s[0])
     usable = np.arange(power.size) * 1.0 > LEAST_CYCLES
-    usable &= ~_harmonics_of(driven)
+    usable &= ~_harmonics_of(driven) | (_sharpness(power) > SHARPER * _sharpest_line(driven))
     places = np.flatnonzero(usable)
     if places.size < 2 * NEIGHBOURING_BINS:
         return None
@@ -190,10 +194,26 @@ def _beside(power: Array, places: npt.NDArray[np.intp]) -> Array:
     return found
 
 
+def _sharpness(power: Array) -> Array:
+    """Power of each bin over that of the bins beside it."""
+    return power / _beside(power, np.arange(power.size))
+
+
+def _lines_of(driven: Array) -> npt.NDArray[np.intp]:
+    """Bins in which the input has a line."""
+    strong = np.flatnonzero(driven > OF_THE_INPUT * driven.max(initial=0.0))
+    return strong[driven[strong] > ABOVE_BESIDE * _beside(driven, strong)]
+
+
+def _sharpest_line(driven: Array) -> float:
+    """How far the sharpest line of the input stands out of the bins beside it; 0 without one."""
+    lines = _lines_of(driven)
+    return float(np.max(driven[lines] / _beside(driven, lines), initial=0.0))
+
+
 def _harmonics_of(driven: Array) -> BoolArray:
     """Bins in which the input has a line, or a nonlinear law makes one of its lines."""
-    strong = np.flatnonzero(driven > OF_THE_INPUT * driven.max(initial=0.0))
-    strong = strong[driven[strong] > ABOVE_BESIDE * _beside(driven, strong)]
+    strong = _lines_of(driven)
     taken = np.zeros(driven.size, bool)
 
     def take(place: int, order: int) -> None:

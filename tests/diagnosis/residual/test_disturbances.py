@@ -112,6 +112,19 @@ def test_sums_and_differences_of_lines_are_their_motion(hertz: float) -> None:
     assert found.frequency_hz == pytest.approx(3.4, abs=0.002)
 
 
+def test_chance_lines_of_random_steps_hide_no_line() -> None:
+    """Of 40 inputs of random steps some have weak lines, whose multiples would cover 1 Hz."""
+    steady = 2.0 * np.sin(2.0 * np.pi * TIME_S)
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        begins = np.concatenate(([0.0], np.cumsum(rng.uniform(0.6, 2.6, 70))))
+        levels = rng.uniform(0.0, 100.0, begins.size)
+        u = levels[np.searchsorted(begins, TIME_S, side="right") - 1]
+        found = line_in(left(noise(seed) + steady, u))
+        assert found is not None, seed
+        assert found.frequency_hz == pytest.approx(1.0, abs=0.001)
+
+
 def test_a_weak_ripple_of_the_input_is_its_motion() -> None:
     """A hundredth of its steps high, far above them at 11.3 Hz: pulses of a valve."""
     ripple = np.sin(2.0 * np.pi * 11.3 * TIME_S)
