@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -158,8 +158,12 @@ def _shift_in(log: Log, spells: Spells) -> Shift | None:
     for begin, end in spells.spans_s:
         outside &= (time_s < begin) | (time_s > end)
     noise = fit_ar([np.where(outside, left, np.nan)])
-    within = [t for span in sorted(spells.spans_s) for t in span if time_s[0] < t < time_s[-1]]
-    return shift_at(within, spells.reference, time_s, left, noise)
+    spans = sorted(spells.spans_s)
+    within = [t for span in spans for t in span if time_s[0] < t < time_s[-1]]
+    found = shift_at(within, spells.reference, time_s, left, noise)
+    if found is not None and spans[0][0] <= time_s[0]:  # the first moment is an end
+        return replace(found, size=-found.size)
+    return found
 
 
 def _is_event(

@@ -51,7 +51,7 @@ class LoadCourse:
     Attributes
     ----------
     time_s, share
-        Times after the moment, and share of what stays, shape (n,).
+        Times after the moment, and share of what is reached after the longest log, shape (n,).
     settled_s
         The time after which its inertia and damping hold nothing back; the material may go on.
     """
@@ -85,7 +85,7 @@ class Shift:
     kind
         ``zero``, ``load``, or ``zero or load``.
     size
-        What stays of it, in the unit of the output.
+        What stays of it after the first moment, in the unit of the output.
     course
         The course that explains more.
     """
@@ -120,7 +120,7 @@ def shift_at(
         its output.
     """
     load = _load_course(model)
-    if load is None or not noise.sigma_innovation > 0.0:
+    if load is None or not (moments_s and noise.sigma_innovation > 0.0):
         return None
     courses: dict[str, Course] = {ZERO: reading_jumps, LOAD: load}
     wide_s = max(load.settled_s, LEAST_SAMPLES * float(np.median(np.diff(time_s))))
@@ -156,11 +156,13 @@ def _load_course(model: Candidate) -> LoadCourse | None:
     near_s = np.linspace(0.0, 2.0 * settled_s, POINTS)
     far_s = np.geomspace(near_s[-1], max(lasts_s, 2.0 * near_s[-1]), POINTS)
     time_s = np.concatenate((near_s, far_s[1:]))
-    share = _response_to_level(model, time_s, stiffness)
-    return LoadCourse(time_s, share, settled_s) if np.isfinite(share).all() else None
+    response = _response_to_level(model, time_s)
+    if not (np.isfinite(response).all() and response[-1]):
+        return None
+    return LoadCourse(time_s, response / response[-1], settled_s)
 
 
-def _response_to_level(model: Candidate, time_s: Array, level: float) -> Array:
+def _response_to_level(model: Candidate, time_s: Array) -> Array:
     """Response to a level of the input from rest at zero, with what is linear in the motion."""
     whole = model.problem.model
     inner = whole.without_effects
@@ -169,7 +171,7 @@ def _response_to_level(model: Candidate, time_s: Array, level: float) -> Array:
         inner = ExtendedModel(whole.without_effects, effects, whole.scale)
     values, name = model.parameters, model.problem.outputs[0]
     theta = np.array([values[parameter] for parameter in inner.parameters()])
-    input_level = values.get(inner.rest_parameter or "", 0.0) + level / values.get("G", 1.0)
+    input_level = 1.0 + values.get(inner.rest_parameter or "", 0.0)
     none = {name: np.zeros(time_s.size)}
     segment = Segment(
         model.problem.logs[0].name,

@@ -29,7 +29,7 @@ ZERO_JUMP = "zero-jump"
 """Code of the remark that readings are taken without a jump."""
 
 SLIPPED, LOADED = "a slipped mount or a touched cable", "a payload that was put on or taken off"
-TOLD = {
+IN_WORDS = {
     ZERO: (
         "the zero of {name} jumps by {size} at {time}, as where a sensor slips or is touched",
         SLIPPED,
@@ -106,7 +106,7 @@ def zero_jumps(model: Candidate, excess: float) -> tuple[ZeroJump, ...]:
     if look is None or not excess > 0.0:
         return ()
     misfit = float(look.left @ look.left) * excess / (1.0 + excess)
-    found = (look.likely_jump(k, log, misfit) for k, log in enumerate(model.problem.logs))
+    found = (look.likely_jump(k, model, misfit) for k in range(len(model.problem.logs)))
     return tuple(jump for jump in found if jump is not None)
 
 
@@ -146,7 +146,7 @@ def _issue(log: Log, jump: ZeroJump) -> Issue:
     name = log.outputs[0]
     channel = log.channels[name]
     size = f"{jump.size * channel.display_factor:+.3g} {channel.display_unit}"
-    told, remedy = TOLD[jump.kind]
+    told, remedy = IN_WORDS[jump.kind]
     what = told.format(name=name, size=size, time=f"{jump.time_s:.4g} s")
     return Issue(
         ZERO_JUMP,
@@ -211,7 +211,7 @@ class _Steps:
         step = self.at(log, time_s, course)
         return float((step @ left) ** 2 / max(float(step @ step), np.finfo(float).tiny))
 
-    def likely_jump(self, log: int, member: Log, misfit: float) -> ZeroJump | None:
+    def likely_jump(self, log: int, model: Candidate, misfit: float) -> ZeroJump | None:
         """The moment at which a step takes most, if none elsewhere takes as much."""
         mine = self.time_s[self.log == log]
         if mine.size < MOMENTS:
@@ -225,21 +225,28 @@ class _Steps:
         is_there = most > LEAST_TAKEN * misfit and float(taken[far].max()) < DISTINCT * most
         if not is_there or float(np.median(taken)) > MEDIAN_SHARE * most:
             return None
-        return self._nearest(self.left, log, ZeroJump(member.name, float(moments[best]), 0.0))
+        jump = ZeroJump(model.problem.logs[log].name, float(moments[best]), 0.0)
+        return self._of_its_kind(jump, log, model)
 
     def seen_again(self, jump: ZeroJump, model: Candidate) -> ZeroJump:
-        """A jump that was taken out, at the moment near its own that takes most, of its kind."""
+        """A jump that was taken out, at the moment near its own that takes most."""
         log = next(k for k, member in enumerate(model.problem.logs) if member.name == jump.log)
+        return self._of_its_kind(jump, log, model)
+
+    def _of_its_kind(self, jump: ZeroJump, log: int, model: Candidate) -> ZeroJump:
+        """A jump, of which the size that it has was taken out, as a zero or a load."""
         left = self.left + jump.size * self.at(log, jump.time_s, jump.course)
-        again = self._nearest(left, log, jump)
-        mine = self.log == log
-        time_s, residual = self.time_s[mine], self.residual[mine]
-        whole, noise = residual + jump.at(time_s), fit_ar([residual])
+        again, mine = self._nearest(left, log, jump), self.log == log
+        time_s = self.time_s[mine]
+        whole = self.residual[mine] + jump.at(time_s)
+        noise = fit_ar([whole - again.at(time_s)])
         shift = shift_at([again.time_s], model, time_s, whole, noise)
-        if shift is None:
+        if shift is not None:
+            again = replace(again, kind=shift.kind, course=shift.course)
+        else:
             is_linear = model.problem.model.without_effects.is_linear
-            return replace(again, kind=EITHER if is_linear else ZERO)
-        again = replace(again, kind=shift.kind, course=shift.course)
+            kind = EITHER if is_linear else ZERO
+            again = replace(again, kind=kind, course=reading_jumps)
         return self._nearest(left, log, again)
 
     def _nearest(self, left: Array, log: int, jump: ZeroJump) -> ZeroJump:

@@ -69,7 +69,7 @@ def search_without_zero_jumps(
     jumps = _jumps_of_zero_alone(base, excess)
     in_judges: tuple[ZeroJump, ...] = ()
     request = replace(request, model=base.candidate.problem.model)
-    for is_last in (*(False,) * (ROUNDS - 1), True) if jumps else ():
+    for k in range(ROUNDS if jumps else 0):
         steady = recordings.each(partial(without_jumps, jumps=(*jumps, *in_judges)))
         again = request.fit_base(steady.logs, steady.hold_out, thorough=False)
         left = squares_under(again.candidate, again.sigma, base.sigma)
@@ -83,12 +83,12 @@ def search_without_zero_jumps(
         found = over.search(first)
         before = (*jumps, *in_judges)
         further = _further_jumps(found, over, jumps)
-        jumps = (*seen_again(found.chain.final, jumps), *further)
+        jumps = tuple(sorted((*seen_again(found.chain.final, jumps), *further), key=_moment))
         if not (further or in_judges):
             in_judges = _jumps_in_judges(found, again)
         now = (*jumps, *in_judges)
         is_known = len(now) == len(before) and all(map(_is_same, before, now))
-        if is_known or (is_last and found.is_sure):
+        if is_known or (k == ROUNDS - 1 and found.is_sure):
             left = squares_under(found.chain.final, again.sigma, base.sigma)
             is_less = left - noise < OUTDONE * (known.chain.final.squares - noise)
             return (found, over) if found.is_sure or (any(found.is_named) and is_less) else None
@@ -125,6 +125,11 @@ def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
     jumps = zero_jumps(base.candidate, excess)
     event = change_point(base.candidate, base.scale, excess) if jumps else None
     return jumps if event is None or event.kind.startswith("zero") else ()
+
+
+def _moment(jump: ZeroJump) -> tuple[str, float]:
+    """Log and time of a jump, by which several are told."""
+    return jump.log, jump.time_s
 
 
 def _is_same(one: ZeroJump, other: ZeroJump) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -85,23 +86,30 @@ def test_a_slip_of_the_judge_is_told_too() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [3, 8])
-def test_a_cause_is_named_beside_a_load(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "shares"), [(3, (0.55,)), (8, (0.35, 0.75))])
+def test_a_cause_is_named_beside_a_load(seed: int, shares: tuple[float, ...]) -> None:
     """Stands on the truth of the generator, and on the closed form of what a load adds to it.
 
-    An oscillator that creeps is linear: M·s² + N·s + Q + k·τ·s/(τ·s + 1) is its stiffness.
+    An oscillator that creeps is linear: M·s² + N·s + Q + k·τ·s/(τ·s + 1) is its stiffness. The load
+    is put on, and in the second log taken off again.
     """
     pair = hidden_pair(["creep"], seed=seed, model="oscillator")
     train, hold_out = pair.logs
-    at_s = round(SLIPS_AT * train.time_s[-1], 1)
     (name,) = train.outputs
     channel = train.channels[name]
-    size = 0.3 * np.nanstd(channel.values)
-    moved = channel.values + size * creeping_step(pair, train.time_s - at_s)
+    size, moved = 0.3 * np.nanstd(channel.values), channel.values
+    moments_s = [round(share * train.time_s[-1], 1) for share in shares]
+    for sign, at_s in zip((1.0, -1.0), moments_s, strict=False):
+        moved = moved + sign * size * creeping_step(pair, train.time_s - at_s)
     loaded = replace(train, channels={**train.channels, name: replace(channel, values=moved)})
     found = diagnose(loaded, hold_out=[hold_out], model="oscillator")
-    (told,) = [issue.message for issue in found.issues if issue.code == ZERO_JUMP]
-    assert f"goes to another place at {at_s:.4g} s, {name} by {size:+.2g}"[:-1] in told
+    told = [issue.message for issue in found.issues if issue.code == ZERO_JUMP]
+    assert len(told) == len(moments_s)
+    for message, at_s in zip(told, moments_s, strict=True):
+        moment = re.search(rf"another place at ([0-9.]+) s, {name} by ([-+0-9.]+) mm", message)
+        assert moment is not None
+        assert float(moment[1]) == pytest.approx(at_s, abs=0.02)
+        assert abs(float(moment[2])) == pytest.approx(size, rel=0.05)
     assert [cause.effect for cause in found.causes] == ["creep"]
     assert all_recovered(found, pair)
 
