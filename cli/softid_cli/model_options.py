@@ -12,7 +12,7 @@ import click
 
 from softid.errors import SoftidError, UsageError, entry_named
 from softid_cli.console import say
-from softid_cli.options import FILE, assignments, length_mm, named_if
+from softid_cli.options import FILE, assignments, length_mm, named_if, number
 
 if TYPE_CHECKING:
     from softid.effects import Effect
@@ -302,7 +302,7 @@ def chosen_parameters(
                 where="--fix, --tie",
                 remedy="give only one of both",
             )
-        held[name] = _number(text, option="--fix", parameter=name)
+        held[name] = number(text, where=f"--fix {name}")
         if parameter.scale == "log" and held[name] <= 0:
             raise UsageError(
                 "this parameter must be positive",
@@ -335,21 +335,6 @@ def _known(parameters: ParameterSet, name: str, *, option: str) -> Parameter:
     return parameters[name]
 
 
-def _number(text: str, *, option: str, parameter: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if value != value or abs(value) == float("inf"):
-        raise UsageError(
-            "this is not a number",
-            where=f"{option} {parameter}",
-            value=text,
-            remedy="write it as 0.5 or 5e-1",
-        )
-    return value
-
-
 def _bounded(parameter: Parameter, text: str) -> Parameter:
     low, colon, high = text.partition(":")
     if not colon:
@@ -361,9 +346,9 @@ def _bounded(parameter: Parameter, text: str) -> Parameter:
         )
     lower, upper = parameter.lower, parameter.upper
     if low.strip():
-        lower = _number(low.strip(), option="--bound", parameter=parameter.name)
+        lower = number(low.strip(), where=f"--bound {parameter.name}")
     if high.strip():
-        upper = _number(high.strip(), option="--bound", parameter=parameter.name)
+        upper = number(high.strip(), where=f"--bound {parameter.name}")
     inside = min(max(parameter.value, lower), max(lower, upper))
     return replace(parameter, lower=lower, upper=upper, value=inside)
 

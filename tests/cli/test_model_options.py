@@ -86,3 +86,12 @@ def test_a_value_that_makes_no_model(
     told = softid("fit", "a.csv", *arguments)
     assert told.code == 2
     assert said in told.err
+
+
+def test_a_typographic_minus_is_a_minus(softid: Cli, desk: Desk) -> None:
+    """As in a log: what was copied from a paper has U+2212."""
+    bound = "offset=\N{MINUS SIGN}0.5:0.5"
+    arguments = ("--option", "spring=none", "--bound", bound)
+    told = softid("fit", "a.csv", "--model", "oscillator", *arguments)
+    assert told.code == 0, told.err
+    assert desk.asked["parameters"]["offset"].lower == -0.5
