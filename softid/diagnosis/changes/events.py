@@ -18,7 +18,7 @@ from softid.diagnosis.changes.log_differences import (
     log_differences,
     squares_with,
 )
-from softid.diagnosis.changes.shifts import Shift, shift_at
+from softid.diagnosis.changes.shifts import ZERO, Shift, shift_at
 from softid.diagnosis.changes.spells import (
     Spells,
     is_of_a_jump,
@@ -180,19 +180,24 @@ def _is_event(
     """
     if all(is_of_a_jump(log, span, base.scale.motion_s) for span in spells.spans_s):
         return False
-    if spells.is_one_part and _is_one_number(change):
+    if change is not None and spells.is_one_part and _is_one_number(change):
         later = None if spells.ends_last else 0
         if elsewhere and all(count == later for count in elsewhere):
-            return spells.ends_last or _is_even(log, spells, base)
+            return spells.ends_last or _is_even(log, spells, change, base)
     if spells.begins_early:
         return False
     return spells.is_met or is_clock_jump(change, spells.reference, base.scale, base.sigma)
 
 
-def _is_even(log: Log, spells: Spells, base: BaseFit) -> bool:
+def _is_even(log: Log, spells: Spells, change: LogDifferences, base: BaseFit) -> bool:
     """Whether what differs in a spell differs by as much in its second half as in its first."""
     ((begin, end),) = spells.spans_s
     middle = 0.5 * (begin + end)
+    if change.kinds[0] == ZERO:
+        at, left = residual_in(log, spells.reference)
+        parts = ((begin, middle), (middle, end))
+        within = [(log.time_s[at] >= low) & (log.time_s[at] <= high) for low, high in parts]
+        return _are_alike(*(float(np.mean(left[part])) for part in within))
     found = log_differences(
         spells.reference,
         base.scale,
@@ -201,15 +206,16 @@ def _is_even(log: Log, spells: Spells, base: BaseFit) -> bool:
         noise=spells.noise,
         zero_counts=False,
     )
-    if found is None or found.beside is not None:
-        return False
-    first, second = found.sizes
+    return found is not None and found.beside is None and _are_alike(*found.sizes)
+
+
+def _are_alike(first: float, second: float) -> bool:
     return abs(second - first) < MOST_UNEVEN * abs(first)
 
 
-def _is_one_number(change: LogDifferences | None) -> bool:
+def _is_one_number(change: LogDifferences) -> bool:
     """Whether one number takes away nearly all of the misfit of a part of a log."""
-    return change is not None and change.beside is None and change.share > PARTS_A_LOG
+    return change.beside is None and change.share > PARTS_A_LOG
 
 
 def _has_lasted(

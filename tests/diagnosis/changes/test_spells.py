@@ -159,6 +159,17 @@ def test_what_goes_on_in_what_judges_is_told_of_the_moment_it_began() -> None:
     assert issues_beside(changed((12.0, 17.0)), changed(ALWAYS)) == ()
 
 
+@pytest.mark.parametrize(("within_s", "is_told"), [(None, True), (3.0, False)])
+def test_a_slip_soon_after_the_start_is_an_event(within_s: float | None, is_told: bool) -> None:
+    """From 3.5 to 12 s, with what judges as it is later; what settles may be a sensor's warm-up."""
+    size = 0.2 if within_s is None else 0.2 * np.exp(-(TIME_S - 3.5) / within_s)
+    slipped = linear_angle(TIME_S, pressure()) + size * between((3.5, 12.0))
+    told = issues_beside(slipped, linear_angle(TIME_S, pressure()))
+    assert bool(told) is is_told
+    if is_told:
+        assert "confined to 3.5 to 12.0 s of log-0: there the zero of" in told[0].message
+
+
 @pytest.mark.parametrize("within_s", [1.0, 1.5, 3.0, 6.0])
 def test_what_settles_is_no_event(within_s: float) -> None:
     """A softening in time, behind which what judges is soft: no moment, though one takes most."""
