@@ -54,6 +54,34 @@ def length_mm(_: click.Context, param: click.Parameter, value: str | None) -> fl
     return length
 
 
+def number(text: str, *, where: str) -> float:
+    """A finite number.
+
+    Parameters
+    ----------
+    text
+        What the user wrote.
+    where
+        The option, for the error.
+
+    Raises
+    ------
+    UsageError
+        It is none.
+    """
+    from softid.readers.decoding import with_plain_minus
+
+    try:
+        value = float(with_plain_minus(text))
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UsageError(
+            "this is not a number", where=where, value=text, remedy="write it as 0.5 or 5e-1"
+        )
+    return value
+
+
 def channel_names(_: click.Context, param: click.Parameter, value: Names) -> Names:
     """Refuse the empty name, which an unset variable of the shell makes."""
     if "" in ((value,) if isinstance(value, str) else value or ()):
@@ -317,31 +345,3 @@ def _refuse_repeated(paths: Sequence[Path]) -> None:
         if real in seen:
             raise UsageError("the log is given twice", where=str(path), remedy="give it once")
         seen.add(real)
-
-
-def number(text: str, *, where: str) -> float:
-    """A finite number.
-
-    Parameters
-    ----------
-    text
-        What the user wrote.
-    where
-        The option, for the error.
-
-    Raises
-    ------
-    UsageError
-        It is none.
-    """
-    from softid.readers.decoding import with_plain_minus
-
-    try:
-        value = float(with_plain_minus(text))
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise UsageError(
-            "this is not a number", where=where, value=text, remedy="write it as 0.5 or 5e-1"
-        )
-    return value

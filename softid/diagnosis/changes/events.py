@@ -70,7 +70,7 @@ class Event:
     change: LogDifferences | None
     lasts_in: Sequence[Log]
     recurs: bool
-    shift: Shift | None = None
+    shift: Shift | None
 
 
 def events_in(base: BaseFit) -> list[Event]:
@@ -158,10 +158,9 @@ def _shift_in(log: Log, spells: Spells) -> Shift | None:
     for begin, end in spells.spans_s:
         outside &= (time_s < begin) | (time_s > end)
     noise = fit_ar([np.where(outside, left, np.nan)])
-    spans = sorted(spells.spans_s)
-    within = [t for span in spans for t in span if time_s[0] < t < time_s[-1]]
+    within = [t for span in spells.spans_s for t in span if time_s[0] < t < time_s[-1]]
     found = shift_at(within, spells.reference, time_s, left, noise)
-    if found is not None and spans[0][0] <= time_s[0]:  # the first moment is an end
+    if found is not None and spells.spans_s[0][0] <= time_s[0]:  # the first moment is an end
         return replace(found, size=-found.size)
     return found
 

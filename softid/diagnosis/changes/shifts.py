@@ -142,14 +142,14 @@ def shift_at(
 
 def _load_course(model: Candidate) -> LoadCourse | None:
     """The course of a load; None where no base is linear, or the sensor has a course, too."""
-    law, values = model.problem.model, model.parameters
-    inertia, stiffness = (
-        values.get(name or "", 0.0) for name in (law.inertia_parameter, law.stiffness_parameter)
-    )
-    damping = sum(values.get(name, 0.0) for name in law.damping_parameters)
-    twice = damping + np.sqrt(complex(damping**2 - 4.0 * inertia * stiffness))
+    whole = model.problem.model
+    law = whole.motion_law(model.problem.theta(model.minimum.point))
     is_bare = all(effect.stage != "output" for effect in model.effects)
-    if not (law.without_effects.is_linear and is_bare and twice.real > 0.0 and stiffness > 0.0):
+    if law is None or not (whole.without_effects.is_linear and is_bare):
+        return None
+    damping, stiffness, _ = (float(c[0]) for c in law.coefficients(np.zeros(1)))
+    twice = damping + np.sqrt(complex(damping**2 - 4.0 * law.mass * stiffness))
+    if not (twice.real > 0.0 and stiffness > 0.0):
         return None
     settled_s = SETTLED / float((2.0 * stiffness / twice).real)
     lasts_s = max(float(np.ptp(log.time_s)) for log in model.problem.logs)
@@ -172,16 +172,15 @@ def _response_to_level(model: Candidate, time_s: Array) -> Array:
     values, name = model.parameters, model.problem.outputs[0]
     theta = np.array([values[parameter] for parameter in inner.parameters()])
     input_level = 1.0 + values.get(inner.rest_parameter or "", 0.0)
-    none = {name: np.zeros(time_s.size)}
     segment = Segment(
-        model.problem.logs[0].name,
-        0,
-        0,
-        time_s.size,
-        time_s,
-        np.full(time_s.size, input_level),
-        none,
-        {name: np.zeros(time_s.size, bool)},
+        log_name=model.problem.logs[0].name,
+        index=0,
+        start=0,
+        stop=time_s.size,
+        time_s=time_s,
+        input=np.full(time_s.size, input_level),
+        outputs={name: np.zeros(time_s.size)},
+        used={name: np.zeros(time_s.size, bool)},
     )
     found = inner.response(
         theta, segment, [name], start=np.zeros(len(inner.start_states)), derivatives=False

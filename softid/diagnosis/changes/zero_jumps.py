@@ -242,12 +242,11 @@ class _Steps:
         noise = fit_ar([whole - again.at(time_s)])
         shift = shift_at([again.time_s], model, time_s, whole, noise)
         if shift is not None:
-            again = replace(again, kind=shift.kind, course=shift.course)
+            known = replace(again, kind=shift.kind, course=shift.course)
         else:
             is_linear = model.problem.model.without_effects.is_linear
-            kind = EITHER if is_linear else ZERO
-            again = replace(again, kind=kind, course=reading_jumps)
-        return self._nearest(left, log, again)
+            known = replace(again, kind=EITHER if is_linear else ZERO, course=reading_jumps)
+        return known if known.course is again.course else self._nearest(left, log, known)
 
     def _nearest(self, left: Array, log: int, jump: ZeroJump) -> ZeroJump:
         """The jump at the sample near its moment behind which it takes most."""

@@ -134,23 +134,21 @@ class DifferenceTexts:
         shift
             What shifts the output there; None where that is not known.
         """
-        kind, last = found.kinds[0], found.beside or found
-        either = kind == ZERO and self.is_linear
-        changes = f"{ZERO_OR_LOAD if either else self.title(kind)} changes{_by(found)}"
-        if either and shift is not None:
-            changes = f"{SHIFTS[shift.kind]} changes"
-        if found.beside is not None:
-            changes += f" and {self.title(last.kinds[0])} changes{_by(last)}"
-        shifts = ""
+        last, shifts, payload = found.beside or found, "", ""
+        numbers = [found] if found.beside is None else [found, last]
+        changes = [f"{self.title(one.kinds[0])} changes{_by(one)}" for one in numbers]
+        if found.kinds[0] == ZERO and self.is_linear:
+            changes = [f"{ZERO_OR_LOAD if shift is None else SHIFTS[shift.kind]} changes"]
+        elif shift is not None:
+            changes.append(f"{SHIFTS[shift.kind]} changes")
+            if shift.kind == LOAD:
+                payload = next(filter(None, (self.payload(one.kinds[0]) for one in numbers)), "")
         if shift is not None:
             factor, unit = self.shown
-            changes += "" if either else f" and {SHIFTS[shift.kind]} changes"
-            is_payload = self.inertia in (kind, last.kinds[0]) and shift.kind == LOAD
-            changes += PAYLOAD if is_payload else ""
             shifts = f"shifts {self.output} by {shift.size * factor:+.3g} {unit} and "
         return (
-            f": there {changes}, which {shifts}takes away {percent(last.share)} of it"
-            f"{self._or_else(last)}"
+            f": there {' and '.join(changes)}{payload}, which {shifts}takes away "
+            f"{percent(last.share)} of it{self._or_else(last)}"
         )
 
     def payload(self, kind: str) -> str:

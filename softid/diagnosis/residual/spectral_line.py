@@ -109,7 +109,10 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     power, driven = _power(residual), _power(u)
     frequency = np.fft.rfftfreq(n, time_s[1] - time_s[0])
     usable = np.arange(power.size) * 1.0 > LEAST_CYCLES
-    usable &= ~_harmonics_of(driven) | (_sharpness(power) > SHARPER * _sharpest_line(driven))
+    lines = _lines_of(driven)
+    sharpest = float(np.max(_height(driven, lines), initial=0.0))
+    stands_out = _height(power, np.arange(power.size)) > SHARPER * sharpest
+    usable &= ~_harmonics_of(driven, lines) | stands_out
     places = np.flatnonzero(usable)
     if places.size < 2 * NEIGHBOURING_BINS:
         return None
@@ -194,35 +197,23 @@ def _beside(power: Array, places: npt.NDArray[np.intp]) -> Array:
     return found
 
 
-def _sharpness(power: Array) -> Array:
-    """Power of each bin over that of the bins beside it."""
-    return power / _beside(power, np.arange(power.size))
-
-
 def _lines_of(driven: Array) -> npt.NDArray[np.intp]:
     """Bins in which the input has a line."""
     strong = np.flatnonzero(driven > OF_THE_INPUT * driven.max(initial=0.0))
     return strong[driven[strong] > ABOVE_BESIDE * _beside(driven, strong)]
 
 
-def _sharpest_line(driven: Array) -> float:
-    """How far the sharpest line of the input stands out of the bins beside it; 0 without one."""
-    lines = _lines_of(driven)
-    return float(np.max(driven[lines] / _beside(driven, lines), initial=0.0))
-
-
-def _harmonics_of(driven: Array) -> BoolArray:
+def _harmonics_of(driven: Array, lines: npt.NDArray[np.intp]) -> BoolArray:
     """Bins in which the input has a line, or a nonlinear law makes one of its lines."""
-    strong = _lines_of(driven)
     taken = np.zeros(driven.size, bool)
 
     def take(place: int, order: int) -> None:
         taken[max(place - 2 * order, 0) : max(place + 2 * order + 1, 0)] = True
 
-    for k in strong.tolist():
+    for k in lines.tolist():
         for multiple in (1, 2, 3):
             take(multiple * k, multiple)
-    peaks = _strongest_of_each(driven, strong)
+    peaks = _strongest_of_each(driven, lines)
     for place in _overtones(driven, peaks):
         take(place, 1)
     for one, other in combinations(peaks, 2):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from operator import attrgetter
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.changes.change_point import change_point
@@ -18,6 +19,9 @@ from softid.diagnosis.refit.optimum import squares_under
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.search_result import SearchResult
+
+IN_TIME = attrgetter("log", "time_s")
+"""By what several jumps are put in the order in which they are told."""
 
 ROUNDS = 4
 """Jumps are seen again with the causes that are found without them, so many times in all."""
@@ -83,7 +87,7 @@ def search_without_zero_jumps(
         found = over.search(first)
         before = (*jumps, *in_judges)
         further = _further_jumps(found, over, jumps)
-        jumps = tuple(sorted((*seen_again(found.chain.final, jumps), *further), key=_moment))
+        jumps = tuple(sorted((*seen_again(found.chain.final, jumps), *further), key=IN_TIME))
         if not (further or in_judges):
             in_judges = _jumps_in_judges(found, again)
         now = (*jumps, *in_judges)
@@ -125,11 +129,6 @@ def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
     jumps = zero_jumps(base.candidate, excess)
     event = change_point(base.candidate, base.scale, excess) if jumps else None
     return jumps if event is None or event.kind.startswith("zero") else ()
-
-
-def _moment(jump: ZeroJump) -> tuple[str, float]:
-    """Log and time of a jump, by which several are told."""
-    return jump.log, jump.time_s
 
 
 def _is_same(one: ZeroJump, other: ZeroJump) -> bool:

@@ -15,10 +15,7 @@ from scipy.integrate import solve_ivp
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.changes.changed_numbers import Change
 from softid.diagnosis.changes.held_out_difference import shows_motion_of
-from softid.diagnosis.changes.log_differences import (
-    LogDifferences,
-    log_differences,
-)
+from softid.diagnosis.changes.log_differences import LogDifferences, log_differences
 from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
