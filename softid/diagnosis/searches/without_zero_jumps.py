@@ -14,6 +14,7 @@ from operator import attrgetter
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO
 from softid.diagnosis.changes.zero_jumps import ZeroJump, seen_again, without_jumps, zero_jumps
 from softid.diagnosis.refit.optimum import squares_under
 from softid.diagnosis.residual.assessment import excess_of
@@ -125,10 +126,14 @@ def _jumps_in_judges(found: SearchResult, base: BaseFit) -> tuple[ZeroJump, ...]
 
 
 def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
-    """The likely jumps, unless a load, a gain or a clock that changes explains the misfit."""
+    """The likely jumps, unless a gain or a clock that changes explains the misfit.
+
+    Nor a load, unless it shifts the output as far at every level of the input.
+    """
     jumps = zero_jumps(base.candidate, excess)
     event = change_point(base.candidate, base.scale, excess) if jumps else None
-    return jumps if event is None or event.kind.startswith("zero") else ()
+    shifts = (ZERO, LOAD, EITHER) if base.candidate.problem.model.is_linear else (ZERO,)
+    return jumps if event is None or event.kind in shifts else ()
 
 
 def _is_same(one: ZeroJump, other: ZeroJump) -> bool:
