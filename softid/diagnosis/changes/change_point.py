@@ -14,12 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
-from softid.diagnosis.changes.probes import MotionProbe
+from softid.diagnosis.changes.loads import by_load
 from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, shift_at
-from softid.diagnosis.refit.candidates import FINE_STEPS, Candidate, limited_plans
-from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
-from softid.effects import extended_name
 from softid.effects.scale import Scale
 from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar
 
@@ -108,11 +106,11 @@ def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint |
         return None
     first = model.problem.outputs[0]
     rows = [row for row in rows_of(model) if row.channel == first]
-    by_load = _by_load(model, scale)
-    columns = (by_load, *(row.jacobian for row in rows))
+    loaded = by_load(model, scale)
+    columns = (loaded, *(row.jacobian for row in rows))
     if not all(np.isfinite(column).all() for column in columns):  # it runs away, or nearly so
         return None
-    look = _ScoreTest(model, rows, by_load)
+    look = _ScoreTest(model, rows, loaded)
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.place.log for row in look.rows}):
@@ -125,13 +123,13 @@ def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint |
 class _ScoreTest:
     """Residual of the first output, and the columns that a change is made of."""
 
-    def __init__(self, model: Candidate, rows: Sequence[Rows], by_load: Array) -> None:
+    def __init__(self, model: Candidate, rows: Sequence[Rows], loaded: Array) -> None:
         self.model, self.rows = model, rows
         jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.rate = _joined(self.rows, lambda row: row.motion.v)
         self.kinds = {
             ZERO: np.ones(self.rate.size),
-            LOAD: by_load,
+            LOAD: loaded,
             "clock": self.rate,
             "gain": _joined(self.rows, lambda row: row.motion.x),
         }
@@ -141,7 +139,7 @@ class _ScoreTest:
         self.residual = np.concatenate([row.residual for row in self.rows])
         self.left = project_out(self.basis, self.residual)
         self.power = float(self.residual @ self.residual)
-        self.columns = basis_of(np.column_stack((jacobian, self.rate, by_load)))
+        self.columns = basis_of(np.column_stack((jacobian, self.rate, loaded)))
 
     def best_of(self, log: int, noise: float) -> ChangePoint | None:
         """The moment of one log at which a change takes most of what is more than noise."""
@@ -231,18 +229,6 @@ class _ScoreTest:
             if self.taken(column[:, None], log, time_s) > ALONE * most
         ]
         return EITHER if alike[:2] == [ZERO, LOAD] else next(iter(alike), "")
-
-
-def _by_load(model: Candidate, scale: Scale) -> Array:
-    """Derivative of the first output by a constant load, at the used samples, shape (m,)."""
-    probe, first = MotionProbe(), model.problem.outputs[0]
-    problem = extend(model.problem, (probe,), scale)
-    none = named_values(probe, probe.starts(scale)[0])
-    z = start_unknowns(problem, model.problem, model.minimum.point, none)
-    load = problem.free.index(extended_name(probe, "load"))
-    blocks = problem.blocks(z, derivatives=True, plans=limited_plans(problem, z, FINE_STEPS))
-    columns = [b.jacobian[:, load] for b in blocks if b.channel == first and b.jacobian is not None]
-    return np.concatenate(columns)
 
 
 def _joined(rows: Sequence[Rows], values: Callable[[Rows], Array]) -> Array:

@@ -57,8 +57,15 @@ class Probe(Effect):
 
 @dataclass(frozen=True)
 class MotionProbe(Probe, StateEffect):
-    """Relative change of stiffness and damping, and a resisting force as a share of the range's."""
+    """Relative change of stiffness and damping, and a resisting force as a share of the range's.
 
+    Attributes
+    ----------
+    begins_s
+        The time of a log from which on the force resists; at the start without one.
+    """
+
+    begins_s: float = -np.inf
     name: ClassVar[str] = "motion_probe"
     title: ClassVar[str] = "Change in the motion"
     kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
@@ -68,13 +75,14 @@ class MotionProbe(Probe, StateEffect):
     }
 
     def constants(self, scale: Scale) -> tuple[float, ...]:
-        """The elastic force within the log."""
-        return (scale.force,)
+        """The elastic force within the log, and when the load begins."""
+        return scale.force, self.begins_s
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Put all three into the equation of motion."""
-        out[FORCE] += eta[0] * eta[3]
+        if t > eta[4]:
+            out[FORCE] += eta[0] * eta[3]
         out[STIFFNESS] += eta[1]
         out[DAMPING] += eta[2]
 

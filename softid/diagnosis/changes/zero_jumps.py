@@ -1,27 +1,23 @@
-"""Jumps of a sensor's zero, or of a load, that other causes of a misfit may hide.
+"""Jumps of a sensor's zero, or of a load, and logs without them.
 
-A sensor that slips is told by `change_point` where that is all there is. Beside a cause it takes a
-part of the misfit only, and the cause cannot be found before the jump is taken out of the readings.
-A load that is put on a linear actuator shifts the readings, too, once the motion has settled.
+A load that is put on a linear actuator shifts the readings as a sensor does that slips, once the
+motion has settled; another actuator at every level of its input by another amount.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.changes.change_point import EDGE, MEDIAN_SHARE, MOMENTS
-from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, Course, reading_jumps, shift_at
+from softid.diagnosis.changes.loads import LoadInLog
+from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, Course, reading_jumps
 from softid.diagnosis.logs.decimation import AveragedLog
-from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.errors import Issue
 from softid.identification.slow_outputs import SlowOutputLog
 from softid.log import Log
-from softid.uncertainty.autoregression import fit_ar
 
 Array = npt.NDArray[np.float64]
 
@@ -46,13 +42,6 @@ IN_WORDS = {
 }
 """Each kind of a jump in words, and what to look for."""
 
-LEAST_TAKEN = 0.25
-"""A jump must take away so much of the misfit above the noise."""
-
-DISTINCT, FAR_STEPS = 0.95, 3
-"""Share of what a jump takes away that one at any moment further off than so many steps of the
-search must stay below."""
-
 
 @dataclass(frozen=True)
 class ZeroJump:
@@ -70,6 +59,9 @@ class ZeroJump:
         ``zero``, ``load``, or ``zero or load``, as of a `Shift`.
     course
         How it comes to be added.
+    stays
+        Whether what is held out goes on as behind the moment, so that the log is taken as if it had
+        been so from its start on.
     """
 
     log: str
@@ -77,53 +69,23 @@ class ZeroJump:
     size: float
     kind: str = ZERO
     course: Course = reading_jumps
+    stays: bool = False
 
     def at(self, time_s: Array) -> Array:
-        """What is added at some times.
+        """What is added at some times, to the log as it is before the moment or behind it.
 
         Parameters
         ----------
         time_s
             Times of the log, shape (n,).
         """
-        return self.size * self.course(time_s - self.time_s)
-
-
-def zero_jumps(model: Candidate, excess: float) -> tuple[ZeroJump, ...]:
-    """The most likely jump of each log, where one takes away a part of the misfit.
-
-    The residual is regressed on a step at each moment, beside the derivatives of the response and
-    the rate of the output. Whether it is one is seen by what is left without it.
-
-    Parameters
-    ----------
-    model
-        A model over its logs.
-    excess
-        Variance of what it leaves above that of the noise, as a share of the latter.
-    """
-    look = _Steps.of(model)
-    if look is None or not excess > 0.0:
-        return ()
-    misfit = float(look.left @ look.left) * excess / (1.0 + excess)
-    found = (look.likely_jump(k, model, misfit) for k in range(len(model.problem.logs)))
-    return tuple(jump for jump in found if jump is not None)
-
-
-def seen_again(model: Candidate, jumps: Sequence[ZeroJump]) -> tuple[ZeroJump, ...]:
-    """Moments and sizes of jumps as a better model sees them.
-
-    Parameters
-    ----------
-    model
-        A model over logs without the jumps.
-    jumps
-        What was taken out of its logs.
-    """
-    look = _Steps.of(model)
-    if look is None:
-        return tuple(jumps)
-    return tuple(look.seen_again(jump, model) for jump in jumps)
+        since_s = time_s - self.time_s
+        added = self.course(since_s)
+        if not self.stays:
+            return self.size * added
+        if isinstance(self.course, LoadInLog):
+            return self.size * (added - self.course.throughout(since_s))
+        return self.size * (added - 1.0)
 
 
 def without_jumps(log: Log, jumps: Iterable[ZeroJump]) -> Log:
@@ -147,11 +109,14 @@ def _issue(log: Log, jump: ZeroJump) -> Issue:
     channel = log.channels[name]
     size = f"{jump.size * channel.display_factor:+.3g} {channel.display_unit}"
     told, remedy = IN_WORDS[jump.kind]
+    if isinstance(jump.course, LoadInLog):
+        size = f"{size} on average"
     what = told.format(name=name, size=size, time=f"{jump.time_s:.4g} s")
+    taken = "as if it had been so from the start" if jump.stays else "without that"
     return Issue(
         ZERO_JUMP,
         "warning",
-        f"{log.name}: {what}; the causes are those of the readings without that",
+        f"{log.name}: {what}; the causes are those of the readings {taken}",
         f"look at what happened then, such as {remedy}",
     )
 
@@ -164,101 +129,3 @@ def _without(log: Log, jump: ZeroJump) -> Log:
     if isinstance(log, (AveragedLog, SlowOutputLog)):
         return replace(log, channels=channels, recorded=_without(log.recorded, jump))
     return replace(log, channels=channels)
-
-
-@dataclass(frozen=True, eq=False)
-class _Steps:
-    """What a model leaves of the first output, and a step of it at any moment.
-
-    Attributes
-    ----------
-    basis
-        Of the derivatives of the response and the rate of the output, shape (m, k).
-    residual, left
-        What the model leaves, and what is left of that beside them, shape (m,).
-    time_s, log
-        Time and index of the log of each sample, shape (m,).
-    """
-
-    basis: Array
-    residual: Array
-    left: Array
-    time_s: Array
-    log: npt.NDArray[np.intp]
-
-    @classmethod
-    def of(cls, model: Candidate) -> _Steps | None:
-        """Of a model where it stands; None where it runs away."""
-        first = model.problem.outputs[0]
-        rows = [row for row in rows_of(model) if row.channel == first]
-        if not all(np.isfinite(row.jacobian).all() for row in rows):
-            return None
-        jacobian = np.concatenate([row.jacobian for row in rows])
-        rate = np.concatenate([row.motion.v[row.used] for row in rows])[:, None]
-        basis = basis_of(jacobian)
-        basis = np.column_stack((basis, added_basis(basis, rate)))
-        residual = np.concatenate([row.residual for row in rows])
-        left = project_out(basis, residual)
-        time_s = np.concatenate([row.motion.time_s[row.used] for row in rows])
-        return cls(basis, residual, left, time_s, np.concatenate([_index(row) for row in rows]))
-
-    def at(self, log: int, time_s: float, course: Course = reading_jumps) -> Array:
-        """A step of a log at a moment, beside what the model can make up for."""
-        return project_out(self.basis, (self.log == log) * course(self.time_s - time_s))
-
-    def fall(self, left: Array, log: int, time_s: float, course: Course = reading_jumps) -> float:
-        """How much of a sum of squares a step takes away."""
-        step = self.at(log, time_s, course)
-        return float((step @ left) ** 2 / max(float(step @ step), np.finfo(float).tiny))
-
-    def likely_jump(self, log: int, model: Candidate, misfit: float) -> ZeroJump | None:
-        """The moment at which a step takes most, if none elsewhere takes as much."""
-        mine = self.time_s[self.log == log]
-        if mine.size < MOMENTS:
-            return None
-        length = float(np.ptp(mine))
-        moments = float(mine[0]) + np.linspace(EDGE, 1.0 - EDGE, MOMENTS) * length
-        taken = np.array([self.fall(self.left, log, t) for t in moments.tolist()])
-        best = int(taken.argmax())
-        far = np.abs(np.arange(MOMENTS) - best) > FAR_STEPS
-        most = float(taken[best])
-        is_there = most > LEAST_TAKEN * misfit and float(taken[far].max()) < DISTINCT * most
-        if not is_there or float(np.median(taken)) > MEDIAN_SHARE * most:
-            return None
-        jump = ZeroJump(model.problem.logs[log].name, float(moments[best]), 0.0)
-        return self._of_its_kind(jump, log, model)
-
-    def seen_again(self, jump: ZeroJump, model: Candidate) -> ZeroJump:
-        """A jump that was taken out, at the moment near its own that takes most."""
-        log = next(k for k, member in enumerate(model.problem.logs) if member.name == jump.log)
-        return self._of_its_kind(jump, log, model)
-
-    def _of_its_kind(self, jump: ZeroJump, log: int, model: Candidate) -> ZeroJump:
-        """A jump, of which the size that it has was taken out, as a zero or a load."""
-        left = self.left + jump.size * self.at(log, jump.time_s, jump.course)
-        again, mine = self._nearest(left, log, jump), self.log == log
-        time_s = self.time_s[mine]
-        whole = self.residual[mine] + jump.at(time_s)
-        noise = fit_ar([whole - again.at(time_s)])
-        shift = shift_at([again.time_s], model, time_s, whole, noise)
-        if shift is not None:
-            known = replace(again, kind=shift.kind, course=shift.course)
-        else:
-            is_linear = model.problem.model.without_effects.is_linear
-            known = replace(again, kind=EITHER if is_linear else ZERO, course=reading_jumps)
-        return known if known.course is again.course else self._nearest(left, log, known)
-
-    def _nearest(self, left: Array, log: int, jump: ZeroJump) -> ZeroJump:
-        """The jump at the sample near its moment behind which it takes most."""
-        mine = self.time_s[self.log == log]
-        off = np.abs(mine - jump.time_s)
-        reach = max(float(np.ptp(mine)) / MOMENTS, float(off.min()))  # readings may be lost there
-        near = mine[off <= reach]
-        at = max(near.tolist(), key=lambda t: self.fall(left, log, t, jump.course))
-        step = self.at(log, at, jump.course)
-        return replace(jump, time_s=at, size=float(step @ left / (step @ step)))
-
-
-def _index(row: Rows) -> npt.NDArray[np.intp]:
-    """Index of the log, at each of a row's samples."""
-    return np.full(row.residual.size, row.place.log)

@@ -14,8 +14,10 @@ from operator import attrgetter
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.jump_search import seen_again, zero_jumps
+from softid.diagnosis.changes.loads import LoadInLog
 from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO
-from softid.diagnosis.changes.zero_jumps import ZeroJump, seen_again, without_jumps, zero_jumps
+from softid.diagnosis.changes.zero_jumps import ZeroJump, without_jumps
 from softid.diagnosis.refit.optimum import squares_under
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.searches.cause_search import CauseSearch
@@ -40,6 +42,9 @@ moment and size are not known well yet."""
 OUTDONE = 0.2
 """Causes that are not sure are told where they leave less than this share of the misfit above the
 noise that is left else."""
+
+CLOSER = 0.9
+"""What is held out goes on as behind the jumps where it is missed by less than this share then."""
 
 LEFT_TO_CAUSES = 0.02
 """Share of the misfit above the noise that must stay without the jump, for causes to explain: a
@@ -74,9 +79,9 @@ def search_without_zero_jumps(
     jumps = _jumps_of_zero_alone(base, excess)
     in_judges: tuple[ZeroJump, ...] = ()
     request = replace(request, model=base.candidate.problem.model)
+    jumps = tried = _as_held_out_goes_on(jumps, recordings, request)
     for k in range(ROUNDS if jumps else 0):
-        steady = recordings.each(partial(without_jumps, jumps=(*jumps, *in_judges)))
-        again = request.fit_base(steady.logs, steady.hold_out, thorough=False)
+        again = _fit_without((*jumps, *in_judges), recordings, request)
         left = squares_under(again.candidate, again.sigma, base.sigma)
         if base.candidate.squares - left > (1.0 - LEFT_TO_CAUSES) * misfit:
             return None
@@ -87,8 +92,11 @@ def search_without_zero_jumps(
             return None
         found = over.search(first)
         before = (*jumps, *in_judges)
-        further = _further_jumps(found, over, jumps)
-        jumps = tuple(sorted((*seen_again(found.chain.final, jumps), *further), key=IN_TIME))
+        further = _further_jumps(found, over, tried)
+        tried = (*tried, *further)
+        jumps = tuple(
+            sorted((*seen_again(found.chain.final, base.scale, jumps), *further), key=IN_TIME)
+        )
         if not (further or in_judges):
             in_judges = _jumps_in_judges(found, again)
         now = (*jumps, *in_judges)
@@ -100,40 +108,59 @@ def search_without_zero_jumps(
     return None
 
 
+def _as_held_out_goes_on(
+    jumps: tuple[ZeroJump, ...], recordings: Recordings, request: Request
+) -> tuple[ZeroJump, ...]:
+    """The jumps, as what is held out goes on: as before them, or as behind them.
+
+    Only a load can tell that shifts the output by another amount at every level of the input: every
+    log has a zero of its own.
+    """
+    if not any(isinstance(jump.course, LoadInLog) for jump in jumps):
+        return jumps
+    ways = jumps, tuple(replace(jump, stays=True) for jump in jumps)
+    bases = [_fit_without(way, recordings, request) for way in ways]
+    errors = [base.held_out.rms(base.candidate) for base in bases]
+    return ways[1] if errors[1] < CLOSER * errors[0] else ways[0]
+
+
+def _fit_without(jumps: tuple[ZeroJump, ...], recordings: Recordings, request: Request) -> BaseFit:
+    """The base in readings without jumps."""
+    steady = recordings.each(partial(without_jumps, jumps=jumps))
+    return request.fit_base(steady.logs, steady.hold_out, thorough=False)
+
+
 def _further_jumps(
-    found: SearchResult, search: CauseSearch, known: tuple[ZeroJump, ...]
+    found: SearchResult, search: CauseSearch, tried: tuple[ZeroJump, ...]
 ) -> tuple[ZeroJump, ...]:
     """The likely jumps in what the causes leave: a load that is put on is taken off again.
 
-    What is left beside a jump that is known is no other one.
+    What is left beside a jump that is known is no other one, nor is what was one already and is
+    seen no more.
     """
     if not found.remainder.structured:
         return ()
     model = found.chain.final
-    likely = zero_jumps(model, excess_of(model, search.base.scale))
+    likely = zero_jumps(model, search.base.scale, excess_of(model, search.base.scale))
     near_s = NEAREST * search.base.scale.duration_s
     return tuple(
-        jump
+        replace(jump, stays=tried[0].stays)
         for jump in likely
-        if not any(jump.log == o.log and abs(jump.time_s - o.time_s) < near_s for o in known)
+        if not any(jump.log == o.log and abs(jump.time_s - o.time_s) < near_s for o in tried)
     )
 
 
 def _jumps_in_judges(found: SearchResult, base: BaseFit) -> tuple[ZeroJump, ...]:
     """The likely jumps of the logs that judge, where the causes miss those."""
     judged = base.held_out.standing(found.chain.final) if found.remainder.misses_held_out else None
-    return () if judged is None else zero_jumps(judged, excess_of(judged, base.scale))
+    return () if judged is None else zero_jumps(judged, base.scale, excess_of(judged, base.scale))
 
 
 def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
-    """The likely jumps, unless a gain or a clock that changes explains the misfit.
-
-    Nor a load, unless it shifts the output as far at every level of the input.
-    """
-    jumps = zero_jumps(base.candidate, excess)
+    """The likely jumps, unless a gain or a clock that changes explains the misfit."""
+    jumps = zero_jumps(base.candidate, base.scale, excess)
     event = change_point(base.candidate, base.scale, excess) if jumps else None
-    shifts = (ZERO, LOAD, EITHER) if base.candidate.problem.model.is_linear else (ZERO,)
-    return jumps if event is None or event.kind in shifts else ()
+    return jumps if event is None or event.kind in (ZERO, LOAD, EITHER) else ()
 
 
 def _is_same(one: ZeroJump, other: ZeroJump) -> bool:

@@ -6,11 +6,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 
+import muscle_motion
 import numpy as np
 import numpy.typing as npt
 import pytest
 from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
-from scipy.integrate import solve_ivp
+from muscle_motion import muscle_angle, muscle_log
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.changes.changed_numbers import Change
@@ -26,7 +27,6 @@ from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.log import Log, LogSet
-from softid.models import Muscle
 
 Array = npt.NDArray[np.float64]
 
@@ -273,12 +273,12 @@ def test_a_payload_of_a_muscle_is_inertia_and_load(mass: float, weight: float) -
     In a muscle a gain of the reading with another zero is the same as a load, so that rounding
     alone tells which of the two takes more.
     """
-    model = Muscle(x_unit="rad")
-    theta = dict(zip(model.parameters(), (0.05, 0.5, 2.8, 2.5, 0.1, 1.8, 0.7), strict=True))
-    problem = Problem(model, model.parameters().with_values(theta), [muscle_log(0, theta)])
+    theta, known = muscle_motion.TRUTH, muscle_motion.MODEL.parameters()
+    logs = [muscle_with(0, theta)]
+    problem = Problem(muscle_motion.MODEL, known.with_values(theta), logs)
     base = advance(standing(problem, problem.unknowns(theta)), {"angle": NOISE}, 40)
     scale = scale_of(problem, base.minimum.point)
-    other = muscle_log(1, {**theta, "M": mass * theta["M"]}, weight * scale.force)
+    other = muscle_with(1, {**theta, "M": mass * theta["M"]}, weight * scale.force)
     left = HeldOutLogs((other,)).first_errors(base)
     found = log_differences(base, scale, [other], before=float(left @ left), noise=NOISE**2 * N)
     assert found is not None
@@ -289,25 +289,8 @@ def test_a_payload_of_a_muscle_is_inertia_and_load(mass: float, weight: float) -
     assert len(found.beside.kinds) == 1
 
 
-def muscle_log(seed: int, theta: Mapping[str, float], load: float = 0.0) -> Log:
-    """M·ẍ + N(p)·ẋ + Q(p)·x = P(p) − load by scipy, from rest."""
-    kpa = pressure(seed)
-
-    def law(t: float, state: Array) -> tuple[float, float]:
-        bar = np.interp(t, TIME_S, kpa) / 100.0
-        rise = np.exp(theta["b1"] * bar)
-        damping = theta["a2"] * np.exp(theta["b2"] * bar) + theta["c2"]
-        spring = (theta["a1"] * rise + theta["c1"]) * state[0]
-        return state[1], (rise - load - damping * state[1] - spring) / theta["M"]
-
-    rest = (1.0 - load) / (theta["a1"] + theta["c1"])
-    found = solve_ivp(
-        law, (0.0, TIME_S[-1]), (rest, 0.0), t_eval=TIME_S, max_step=0.02, rtol=1e-7, atol=1e-9
-    )
+def muscle_with(seed: int, theta: Mapping[str, float], load: float = 0.0) -> Log:
+    u = pressure(seed)
     noise = NOISE * np.random.default_rng(seed).standard_normal(N)
-    return Log.from_arrays(
-        TIME_S,
-        {"pressure": kpa, "angle": found.y[0] + noise},
-        units={"angle": "rad"},
-        name=f"muscle-{seed}",
-    )
+    angle = muscle_angle(TIME_S, u, theta, load=load) + noise
+    return muscle_log(f"muscle-{seed}", TIME_S, u, angle)
