@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
+from softid.diagnosis.changes.zero_jumps import is_without_jumps
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.clipped_input import with_clipped_input
@@ -214,9 +215,10 @@ def _described_part(answer: Diagnosis, case: Circumstances) -> Diagnosis:
 def _remarks(answer: Diagnosis, case: Circumstances) -> Diagnosis:
     """The answer with what is to be known beside its verdict."""
     base, problem, left = case.base, case.base.candidate.problem, answer.remainder
-    has_spring = base.candidate.has_spring
+    jumped = {log.name for log in base.whole_logs if is_without_jumps(log)}  # which leave a set
+    resting = [log for log in case.cleaned if log.name not in jumped and base.candidate.has_spring]
     sets, motions = both(
-        lambda: permanent_set_issues(case.cleaned, base.scale.motion_s) if has_spring else (),
+        lambda: permanent_set_issues(resting, base.scale.motion_s),
         lambda: motion_shown_issues(base, answer),
     )
     issues = (

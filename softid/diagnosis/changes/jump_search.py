@@ -32,6 +32,9 @@ from softid.uncertainty.autoregression import fit_ar, whiten
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+GAIN = "gain"
+"""A change that is no jump."""
+
 LEAST_TAKEN = 0.25
 """A jump must take away so much of the misfit above the noise."""
 
@@ -101,7 +104,8 @@ class _Steps:
     time_s, log
         Time and index of the log of each sample, shape (m,).
     shapes
-        What a zero shifts, and where that is another shape what a load does, each of shape (m,).
+        What a zero shifts, what a gain does, and where that is no zero what a load does, each of
+        shape (m,).
     """
 
     model: Candidate
@@ -119,7 +123,8 @@ class _Steps:
         first = model.problem.outputs[0]
         rows = [row for row in rows_of(model) if row.channel == first]
         jacobian = np.concatenate([row.jacobian for row in rows])
-        shapes = {ZERO: np.ones(len(jacobian))}
+        position = np.concatenate([row.motion.x[row.used] for row in rows])
+        shapes = {ZERO: np.ones(position.size), GAIN: position}
         if not model.problem.model.without_effects.is_linear:
             shapes[LOAD] = by_load(model, scale)
         if not all(np.isfinite(part).all() for part in (jacobian, *shapes.values())):
@@ -134,24 +139,28 @@ class _Steps:
         return cls(model, scale, basis, residual, left, time_s, log, shapes)
 
     def likely_jump(self, log: int, misfit: float) -> ZeroJump | None:
-        """The moment at which a step takes most, if none elsewhere takes as much."""
+        """The moment at which a step takes most, if none elsewhere takes as much.
+
+        Nor a gain that changes, or a stiffness, which is nearly the same.
+        """
         mine = self.log == log
         if np.count_nonzero(mine) < MOMENTS:
             return None
         begin, length = float(self.time_s[mine][0]), float(np.ptp(self.time_s[mine]))
         moments = begin + np.linspace(EDGE, 1.0 - EDGE, MOMENTS) * length
-        taken = max(
-            (
-                np.array([self._taken(shape * mine * (self.time_s > t)) for t in moments.tolist()])
-                for shape in self.shapes.values()
-            ),
-            key=np.max,
-        )
+        behind = [mine * (self.time_s > t) for t in moments.tolist()]
+        by_kind = {
+            kind: np.array([self._taken(shape * after) for after in behind])
+            for kind, shape in self.shapes.items()
+        }
+        likeliest = max(by_kind, key=lambda kind: float(by_kind[kind].max()))
+        taken = by_kind[likeliest]
         best = int(taken.argmax())
         far = np.abs(np.arange(MOMENTS) - best) > FAR_STEPS
         most = float(taken[best])
         is_there = most > LEAST_TAKEN * misfit and float(taken[far].max()) < DISTINCT * most
-        if not is_there or float(np.median(taken)) > MEDIAN_SHARE * most:
+        is_steady = float(np.median(taken)) > MEDIAN_SHARE * most
+        if not is_there or is_steady or likeliest == GAIN:
             return None
         name = self.model.problem.logs[log].name
         return self.seen_again(ZeroJump(name, float(moments[best]), 0.0))[0]

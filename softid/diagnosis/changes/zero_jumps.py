@@ -104,6 +104,17 @@ def without_jumps(log: Log, jumps: Iterable[ZeroJump]) -> Log:
     return log
 
 
+def is_without_jumps(log: Log) -> bool:
+    """Whether jumps were taken out of a log.
+
+    Parameters
+    ----------
+    log
+        A log.
+    """
+    return any(issue.code == ZERO_JUMP for issue in log.issues)
+
+
 def _issue(log: Log, jump: ZeroJump) -> Issue:
     name = log.outputs[0]
     channel = log.channels[name]

@@ -8,6 +8,7 @@ better.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -26,11 +27,12 @@ from softid.diagnosis.searches.search_result import SearchResult
 IN_TIME = attrgetter("log", "time_s")
 """By what several jumps are put in the order in which they are told."""
 
-ROUNDS = 4
+ROUNDS = 5
 """Jumps are seen again with the causes that are found without them, so many times in all."""
 
-SAME_SIZE = 0.01
-"""A jump that is seen again with a size within this share of it is known."""
+SAME_SIZE, SAME_MOMENT = 0.01, 0.02
+"""A jump that is seen again with a size within this share of it, within this share of the time of
+the motion, is known."""
 
 MENDED = 0.7
 """The first cause in readings without a jump leaves less than this share of what it does else."""
@@ -80,7 +82,10 @@ def search_without_zero_jumps(
     in_judges: tuple[ZeroJump, ...] = ()
     request = replace(request, model=base.candidate.problem.model)
     jumps = tried = _as_held_out_goes_on(jumps, recordings, request)
-    for k in range(ROUNDS if jumps else 0):
+    near_s = SAME_MOMENT * base.scale.motion_s
+    for k in range(ROUNDS):
+        if not jumps:
+            return None
         again = _fit_without((*jumps, *in_judges), recordings, request)
         left = squares_under(again.candidate, again.sigma, base.sigma)
         if base.candidate.squares - left > (1.0 - LEFT_TO_CAUSES) * misfit:
@@ -91,17 +96,14 @@ def search_without_zero_jumps(
         if left > MENDED * (known.first or base.candidate).squares:
             return None
         found = over.search(first)
-        before = (*jumps, *in_judges)
-        further = _further_jumps(found, over, tried)
-        tried = (*tried, *further)
-        jumps = tuple(
-            sorted((*seen_again(found.chain.final, base.scale, jumps), *further), key=IN_TIME)
-        )
+        seen = seen_again(found.chain.final, base.scale, jumps)
+        is_known = _are_same(jumps, seen, near_s)
+        further = _further_jumps(found, over, tried) if k or is_known else ()
         if not (further or in_judges):
             in_judges = _jumps_in_judges(found, again)
-        now = (*jumps, *in_judges)
-        is_known = len(now) == len(before) and all(map(_is_same, before, now))
-        if is_known or (k == ROUNDS - 1 and found.is_sure):
+            is_known = is_known and not in_judges
+        jumps, tried = tuple(sorted((*seen, *further), key=IN_TIME)), (*tried, *further)
+        if (is_known and not further) or (k == ROUNDS - 1 and found.is_sure):
             left = squares_under(found.chain.final, again.sigma, base.sigma)
             is_less = left - noise < OUTDONE * (known.chain.final.squares - noise)
             return (found, over) if found.is_sure or (any(found.is_named) and is_less) else None
@@ -163,7 +165,11 @@ def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
     return jumps if event is None or event.kind in (ZERO, LOAD, EITHER) else ()
 
 
-def _is_same(one: ZeroJump, other: ZeroJump) -> bool:
-    """Whether two jumps are one."""
-    is_as_large = abs(other.size / one.size - 1.0) < SAME_SIZE
-    return (one.time_s, one.kind) == (other.time_s, other.kind) and is_as_large
+def _are_same(some: Sequence[ZeroJump], others: Sequence[ZeroJump], near_s: float) -> bool:
+    """Whether jumps are the same, in turn."""
+    return len(some) == len(others) and all(
+        (one.log, one.kind) == (other.log, other.kind)
+        and abs(other.time_s - one.time_s) <= near_s
+        and abs(other.size / one.size - 1.0) < SAME_SIZE
+        for one, other in zip(some, others, strict=True)
+    )

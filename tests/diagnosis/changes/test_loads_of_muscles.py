@@ -85,3 +85,13 @@ def test_a_slip_of_the_sensor_is_none() -> None:
     (jump,) = zero_jumps(model, scale, excess(model))
     assert jump.kind == "zero"
     assert jump.time_s == pytest.approx(AT_S, abs=0.03)
+
+
+@pytest.mark.parametrize("kind", ["gain", "stiffness"])
+def test_what_gives_way_is_no_jump(kind: str) -> None:
+    """A gain of the reading changes, or the stiffness falls by a tenth."""
+    softer = {**TRUTH, "a1": 0.9 * TRUTH["a1"], "c1": 0.9 * TRUTH["c1"]}
+    later = 1.1 * BARE if kind == "gain" else muscle_angle(TIME_S, KPA, softer)
+    angle = np.where(TIME_S > AT_S, later, BARE)
+    model, scale = fitted(muscle_log("muscle", TIME_S, KPA, angle + NOISES))
+    assert zero_jumps(model, scale, excess(model)) == ()

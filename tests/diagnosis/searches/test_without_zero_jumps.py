@@ -13,6 +13,7 @@ from scipy.signal import step
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Recordings, Request
 from softid.diagnosis.changes.zero_jumps import ZERO_JUMP
+from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.changes import CHANGE_POINT
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.without_zero_jumps import search_without_zero_jumps
@@ -129,6 +130,28 @@ def creeping_step(pair: HiddenPair, since_s: np.ndarray) -> np.ndarray:
     fine_s = np.linspace(0.0, after[-1], 20_000)
     share = step((values["Q"] * np.array([tau, 1.0]), denominator), T=fine_s)[1]
     return np.where(since_s > 0.0, np.interp(after, fine_s, share), 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("effect", "seed"), [("creep", 3), ("delay", 7)])
+def test_a_cause_is_named_beside_a_load_of_a_muscle(effect: str, seed: int) -> None:
+    """Known truth of the generator, whose held-out log has the load throughout.
+
+    A load throughout is in a muscle a gain of all its numbers, so that only times are compared.
+    """
+    pair = hidden_pair([effect, "load_jump"], seed=seed)
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    (told,) = (issue.message for issue in found.issues if issue.code == ZERO_JUMP)
+    moment = re.search(
+        r"another place at ([0-9.]+) s, contraction by [-+0-9.]+ mm on average", told
+    )
+    assert moment is not None
+    assert float(moment[1]) == pytest.approx(pair.hidden["load_jump"]["at"], abs=0.05)
+    assert told.endswith("as if it had been so from the start")
+    assert [cause.effect for cause in found.causes] == [effect]
+    (tau,) = (p for p in found.causes[0].parameters if p.name == f"{effect}_tau")
+    assert tau.value == pytest.approx(pair.hidden[effect]["tau"], rel=0.1)
+    assert RESIDUAL_SET not in {issue.code for issue in found.issues}
 
 
 @pytest.mark.slow
