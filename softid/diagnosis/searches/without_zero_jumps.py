@@ -27,8 +27,13 @@ from softid.diagnosis.searches.search_result import SearchResult
 IN_TIME = attrgetter("log", "time_s")
 """By what several jumps are put in the order in which they are told."""
 
-ROUNDS = 5
-"""Jumps are seen again with the causes that are found without them, so many times in all."""
+ROUNDS, ENOUGH = 8, 5
+"""Jumps are seen again with the causes that are found without them, so many times in all; so many
+are enough where the causes are sure, or no longer come nearer."""
+
+NEARER = 0.5
+"""Share of the misfit above the noise that causes leave of what the round before did, below which
+they come nearer."""
 
 SAME_SIZE, SAME_MOMENT = 0.01, 0.02
 """A jump that is seen again with a size within this share of it, within this share of the time of
@@ -82,18 +87,18 @@ def search_without_zero_jumps(
     in_judges: tuple[ZeroJump, ...] = ()
     request = replace(request, model=base.candidate.problem.model)
     jumps = tried = _as_held_out_goes_on(jumps, recordings, request)
-    near_s = SAME_MOMENT * base.scale.motion_s
+    near_s, left = SAME_MOMENT * base.scale.motion_s, misfit
     for k in range(ROUNDS):
         if not jumps:
             return None
         again = _fit_without((*jumps, *in_judges), recordings, request)
-        left = squares_under(again.candidate, again.sigma, base.sigma)
-        if base.candidate.squares - left > (1.0 - LEFT_TO_CAUSES) * misfit:
+        bare = squares_under(again.candidate, again.sigma, base.sigma)
+        if base.candidate.squares - bare > (1.0 - LEFT_TO_CAUSES) * misfit:
             return None
         over = replace(search, base=again)
         first = over.first_cause()
-        left = squares_under(first.final, again.sigma, base.sigma)
-        if left > MENDED * (known.first or base.candidate).squares:
+        mended = squares_under(first.final, again.sigma, base.sigma)
+        if mended > MENDED * (known.first or base.candidate).squares:
             return None
         found = over.search(first)
         seen = seen_again(found.chain.final, base.scale, jumps)
@@ -103,10 +108,13 @@ def search_without_zero_jumps(
             in_judges = _jumps_in_judges(found, again)
             is_known = is_known and not in_judges
         jumps, tried = tuple(sorted((*seen, *further), key=IN_TIME)), (*tried, *further)
-        if (is_known and not further) or (k == ROUNDS - 1 and found.is_sure):
-            left = squares_under(found.chain.final, again.sigma, base.sigma)
-            is_less = left - noise < OUTDONE * (known.chain.final.squares - noise)
+        left_before, left = left, squares_under(found.chain.final, again.sigma, base.sigma) - noise
+        is_enough = k + 1 >= ENOUGH
+        if (is_known and not further) or (is_enough and found.is_sure):
+            is_less = left < OUTDONE * (known.chain.final.squares - noise)
             return (found, over) if found.is_sure or (any(found.is_named) and is_less) else None
+        if is_enough and left > NEARER * left_before:
+            return None
     return None
 
 
