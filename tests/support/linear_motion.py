@@ -56,6 +56,13 @@ def linear_log(
     return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=f"linear-{seed}")
 
 
+def smoothed_levels(time_s: Array, seed: int) -> Array:
+    """A rest of 1 s, then random levels of 10 to 100 kPa for 50 samples each, with slow edges."""
+    levels = np.random.default_rng(100 + seed).uniform(10.0, 100.0, time_s.size // 50)
+    smooth = np.convolve(np.repeat(levels, 50), np.ones(10) / 10.0, mode="same")
+    return np.where(time_s < 1.0, 0.0, smooth)
+
+
 def swinging_log(seed: int, delay_s: float = 0.0, *, polyline: bool = False) -> Log:
     """A chirp of the pressure up to 5 Hz at 50 Hz, and the exact answer of the linear actuator.
 
@@ -98,6 +105,18 @@ def standing(problem: Problem, z: Array, sigma: Mapping[str, float] = SIGMA) -> 
     normal = NormalEquations(z, cost, np.zeros(size), np.eye(size), problem.n_samples)
     prior = TemperedPrior(z.copy(), np.zeros(size), 1.0)
     return Candidate((), problem, Minimum(z, normal, 0, 0.0), prior)
+
+
+def sizes_of(model: Candidate) -> Scale:
+    """The sizes by which bounds and starts go, of a model where it stands."""
+    return scale_of(model.problem, model.minimum.point)
+
+
+def excess_over(noise: float, model: Candidate) -> float:
+    """Variance above that of a known noise that a model leaves, as a share of the latter."""
+    blocks = model.problem.blocks(model.minimum.point, derivatives=False)
+    left = np.concatenate([block.residual for block in blocks])
+    return float(np.mean(left**2) / noise**2 - 1.0)
 
 
 def at_truth(log: Log) -> Candidate:

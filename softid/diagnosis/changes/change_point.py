@@ -7,7 +7,7 @@ was fitted to the whole of a log, before and after, bends towards either side.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +17,23 @@ from softid.chi_square import chi_square_tail
 from softid.diagnosis.changes.loads import by_load
 from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO, shift_at
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
+from softid.diagnosis.residual.projection import (
+    Rows,
+    added_basis,
+    basis_of,
+    joined,
+    logs_of,
+    project_out,
+    rows_of,
+)
 from softid.effects.scale import Scale
 from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+
+GAIN = "gain"
+"""Kind of a change that is no shift: of the reading's gain, or of what looks like one."""
 
 MOMENTS = 48
 """Moments that are tried over a log."""
@@ -126,15 +137,15 @@ class _ScoreTest:
     def __init__(self, model: Candidate, rows: Sequence[Rows], loaded: Array) -> None:
         self.model, self.rows = model, rows
         jacobian = np.concatenate([row.jacobian for row in self.rows])
-        self.rate = _joined(self.rows, lambda row: row.motion.v)
+        self.rate = joined(self.rows, lambda motion: motion.v)
         self.kinds = {
             ZERO: np.ones(self.rate.size),
             LOAD: loaded,
             "clock": self.rate,
-            "gain": _joined(self.rows, lambda row: row.motion.x),
+            GAIN: joined(self.rows, lambda motion: motion.x),
         }
-        self.time_s = _joined(self.rows, lambda row: row.motion.time_s)
-        self.log = np.concatenate([np.full(row.residual.size, row.place.log) for row in self.rows])
+        self.time_s = joined(self.rows, lambda motion: motion.time_s)
+        self.log = logs_of(self.rows)
         self.basis = basis_of(jacobian)
         self.residual = np.concatenate([row.residual for row in self.rows])
         self.left = project_out(self.basis, self.residual)
@@ -229,8 +240,3 @@ class _ScoreTest:
             if self.taken(column[:, None], log, time_s) > ALONE * most
         ]
         return EITHER if alike[:2] == [ZERO, LOAD] else next(iter(alike), "")
-
-
-def _joined(rows: Sequence[Rows], values: Callable[[Rows], Array]) -> Array:
-    """A variable at the used samples of all rows."""
-    return np.concatenate([values(row)[row.used] for row in rows])

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.changes.change_point import EDGE, MEDIAN_SHARE, MOMENTS
+from softid.diagnosis.changes.change_point import EDGE, GAIN, MEDIAN_SHARE, MOMENTS
 from softid.diagnosis.changes.loads import LoadInLog, by_load
 from softid.diagnosis.changes.shifts import (
     DECISIVE,
@@ -25,15 +25,19 @@ from softid.diagnosis.changes.shifts import (
 )
 from softid.diagnosis.changes.zero_jumps import ZeroJump
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
+from softid.diagnosis.residual.projection import (
+    added_basis,
+    basis_of,
+    joined,
+    logs_of,
+    project_out,
+    rows_of,
+)
 from softid.effects.scale import Scale
 from softid.uncertainty.autoregression import fit_ar, whiten
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-
-GAIN = "gain"
-"""A change that is no jump."""
 
 LEAST_TAKEN = 0.25
 """A jump must take away so much of the misfit above the noise."""
@@ -123,20 +127,19 @@ class _Steps:
         first = model.problem.outputs[0]
         rows = [row for row in rows_of(model) if row.channel == first]
         jacobian = np.concatenate([row.jacobian for row in rows])
-        position = np.concatenate([row.motion.x[row.used] for row in rows])
+        position = joined(rows, lambda motion: motion.x)
         shapes = {ZERO: np.ones(position.size), GAIN: position}
         if not model.problem.model.without_effects.is_linear:
             shapes[LOAD] = by_load(model, scale)
         if not all(np.isfinite(part).all() for part in (jacobian, *shapes.values())):
             return None
-        rate = np.concatenate([row.motion.v[row.used] for row in rows])[:, None]
+        rate = joined(rows, lambda motion: motion.v)[:, None]
         basis = basis_of(jacobian)
         basis = np.column_stack((basis, added_basis(basis, rate)))
         residual = np.concatenate([row.residual for row in rows])
         left = project_out(basis, residual)
-        time_s = np.concatenate([row.motion.time_s[row.used] for row in rows])
-        log = np.concatenate([_index(row) for row in rows])
-        return cls(model, scale, basis, residual, left, time_s, log, shapes)
+        time_s = joined(rows, lambda motion: motion.time_s)
+        return cls(model, scale, basis, residual, left, time_s, logs_of(rows), shapes)
 
     def likely_jump(self, log: int, misfit: float) -> ZeroJump | None:
         """The moment at which a step takes most, if none elsewhere takes as much.
@@ -267,8 +270,3 @@ def _whitened(noise: Array, residuals: Sequence[Array]) -> list[float]:
     known = fit_ar([noise])
     variance = max(known.sigma_innovation**2, np.finfo(float).tiny)
     return [float(np.sum(whiten(known, left) ** 2)) / variance for left in residuals]
-
-
-def _index(row: Rows) -> npt.NDArray[np.intp]:
-    """Index of the log, at each of a row's samples."""
-    return np.full(row.residual.size, row.place.log)

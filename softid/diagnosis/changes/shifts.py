@@ -41,7 +41,7 @@ POINTS = 1000
 
 DECISIVE = 30.0
 """Sums of squares, in variances of white noise, by which one course explains a log better than
-another where the log tells them apart: odds of exp(15)."""
+another where the log tells them apart, or a shift than none: odds of exp(15)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,6 +72,30 @@ def rows_of(candidate: Candidate) -> list[Rows]:
         place, motion = Place.of(block, problem), motions[block.segment]
         found.append(Rows(place, block.residual, block.jacobian, motion))
     return found
+
+
+def joined(rows: Sequence[Rows], values: Callable[[ResidualContext], Array]) -> Array:
+    """A variable of the motion at the used samples of all rows, shape (m,).
+
+    Parameters
+    ----------
+    rows
+        The rows.
+    values
+        The variable, at all samples of one of them.
+    """
+    return np.concatenate([values(row.motion)[row.used] for row in rows])
+
+
+def logs_of(rows: Sequence[Rows]) -> npt.NDArray[np.intp]:
+    """Index of the log of each used sample of all rows, shape (m,).
+
+    Parameters
+    ----------
+    rows
+        The rows.
+    """
+    return np.concatenate([np.full(row.residual.size, row.place.log) for row in rows])
 
 
 def slopes_of(candidate: Candidate) -> list[Array]:

@@ -1,9 +1,9 @@
-"""The search in readings without a jump of the sensor's zero that hides what else there is.
+"""The search in readings without a jump of the zero, or a load, that hides what else there is.
 
-Where a sensor slips, or is bumped, its zero is another one from then on; a load shifts a linear
-actuator as far. What stands for that, such as a drift, spoils every cause beside it. Without the
-jump the causes are found as elsewhere, and with them the moment and the size of the jump are known
-better.
+Where a sensor slips, or is bumped, its zero is another one from then on; a load shifts the
+actuator, a linear one as far at every level of its input. What stands for that, such as a drift,
+spoils every cause beside it. Without the jump the causes are found as elsewhere, and with them the
+moment and the size of the jump are known better.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ jump that is more or less all there is needs none."""
 def search_without_zero_jumps(
     recordings: Recordings, request: Request, search: CauseSearch, known: SearchResult
 ) -> tuple[SearchResult, CauseSearch] | None:
-    """Causes that are found when jumps of the sensor's zero are taken out of the readings.
+    """Causes that are found when jumps of the zero and loads are taken out of the readings.
 
     They are sure, or leave far less than those in the readings as they are.
 
@@ -83,7 +83,7 @@ def search_without_zero_jumps(
     excess = excess_of(base.candidate, base.scale)
     noise = base.candidate.squares / (1.0 + excess)
     misfit = base.candidate.squares - noise
-    jumps = _jumps_of_zero_alone(base, excess)
+    jumps = _jumps_and_loads(base, excess)
     in_judges: tuple[ZeroJump, ...] = ()
     request = replace(request, model=base.candidate.problem.model)
     jumps = tried = _as_held_out_goes_on(jumps, recordings, request)
@@ -166,7 +166,7 @@ def _jumps_in_judges(found: SearchResult, base: BaseFit) -> tuple[ZeroJump, ...]
     return () if judged is None else zero_jumps(judged, base.scale, excess_of(judged, base.scale))
 
 
-def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
+def _jumps_and_loads(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
     """The likely jumps, unless a gain or a clock that changes explains the misfit."""
     jumps = zero_jumps(base.candidate, base.scale, excess)
     event = change_point(base.candidate, base.scale, excess) if jumps else None

@@ -18,6 +18,7 @@ from linear_motion import (
     linear_log,
     linear_problem,
     pressure_course,
+    sizes_of,
     standing,
 )
 from noise import coloured
@@ -26,7 +27,6 @@ from softid.diagnosis import diagnose
 from softid.diagnosis.changes import change_point as change_point_module
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.refit.candidates import Candidate, advance
-from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.report import changes
 from softid.diagnosis.report.changes import (
@@ -37,7 +37,6 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.residual.motion import mean_square, residual_context
-from softid.effects.scale import Scale
 from softid.log import Log
 from softid.synthesis import hidden_pair
 
@@ -64,19 +63,15 @@ def fitted(*logs: Log) -> Candidate:
     return advance(begun, {"angle": NOISE}, 40, tolerance=1e-4)
 
 
-def sizes(base: Candidate) -> Scale:
-    return scale_of(base.problem, base.minimum.point)
-
-
 def excess(base: Candidate) -> float:
-    return excess_of(base, sizes(base))
+    return excess_of(base, sizes_of(base))
 
 
 @pytest.mark.parametrize("kind", ADDED)
 def test_moment_and_kind_are_found(kind: str) -> None:
     """Known truth, to half a second, for some jumps show in motion only; all of the misfit goes."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=ADDED[kind]))
-    found = change_point(base, sizes(base), excess(base))
+    found = change_point(base, sizes_of(base), excess(base))
     assert found is not None
     assert found.kind == kind
     assert found.time_s == pytest.approx(MOMENT_S, abs=0.5)
@@ -90,10 +85,10 @@ def test_the_log_is_found() -> None:
         for k in (0, 1, 2)
     ]
     base = fitted(*logs)
-    found = change_point(base, sizes(base), excess(base))
+    found = change_point(base, sizes_of(base), excess(base))
     assert found is not None
     assert found.log == 1
-    (mark,) = change_issues(base, sizes(base), excess(base))
+    (mark,) = change_issues(base, sizes_of(base), excess(base))
     assert mark.code == CHANGE_POINT
     assert "s of linear-1: its zero jumps there, which takes away" in mark.message
 
@@ -101,11 +96,11 @@ def test_the_log_is_found() -> None:
 def test_two_changes_at_once_are_neither_alone() -> None:
     """Zero and gain jump together: the moment is told, and no kind, for none makes up for both."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=(0.1 - 0.15 * ANGLE) * LATE))
-    found = change_point(base, sizes(base), excess(base))
+    found = change_point(base, sizes_of(base), excess(base))
     assert found is not None
     assert found.kind == ""
     assert found.time_s == pytest.approx(MOMENT_S, abs=0.5)
-    (mark,) = change_issues(base, sizes(base), excess(base))
+    (mark,) = change_issues(base, sizes_of(base), excess(base))
     assert "there the model changes in more than one way" in mark.message
 
 
@@ -124,7 +119,7 @@ OTHERS = {
 def test_what_goes_on_throughout_begins_at_no_moment(name: str) -> None:
     """Noise, a drift, a delay, a law of position or speed, a swing, and what comes and goes."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=OTHERS[name]))
-    assert change_point(base, sizes(base), excess(base)) is None
+    assert change_point(base, sizes_of(base), excess(base)) is None
 
 
 def slow_noise(seed: int) -> Array:
@@ -146,7 +141,7 @@ def test_slow_noise_begins_at_no_moment(added: Array, most: int) -> None:
     for seed in range(20):
         base = fitted(linear_log(noise=0.0, samples=N, added=added + slow_noise(seed)))
         power = mean_square(residual_context(base))
-        found.append(change_point(base, sizes(base), power / NOISE**2 - 1.0))
+        found.append(change_point(base, sizes_of(base), power / NOISE**2 - 1.0))
     assert sum(moment is not None for moment in found) <= most
 
 
@@ -154,14 +149,14 @@ def test_a_change_in_no_known_way_is_told_if_nothing_else_is() -> None:
     """A zero and a gain that jump at once are neither alone."""
     both = ADDED["zero"] + 2.0 * ADDED["gain"]
     base = fitted(linear_log(noise=NOISE, samples=N, added=both))
-    (mark,) = change_issues(base, sizes(base), excess(base))
+    (mark,) = change_issues(base, sizes_of(base), excess(base))
     assert "in more than one way" in mark.message
-    assert change_issues(base, sizes(base), excess(base), alone=True) == ()
+    assert change_issues(base, sizes_of(base), excess(base), alone=True) == ()
 
 
 def judged_by(base: Candidate, judge: Log) -> Any:
     """What is asked of a base fit here."""
-    return SimpleNamespace(candidate=base, held_out=HeldOutLogs((judge,)), scale=sizes(base))
+    return SimpleNamespace(candidate=base, held_out=HeldOutLogs((judge,)), scale=sizes_of(base))
 
 
 @pytest.mark.parametrize("kind", ADDED)
@@ -224,9 +219,9 @@ def test_one_change_throughout_is_told_before_a_moment(monkeypatch: pytest.Monke
 def test_a_model_that_runs_away_has_no_moment(monkeypatch: pytest.MonkeyPatch) -> None:
     """A load that is nearly nothing moves it beyond all numbers: nothing is regressed on that."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=ADDED["zero"]))
-    assert change_point(base, sizes(base), excess(base)) is not None
+    assert change_point(base, sizes_of(base), excess(base)) is not None
     monkeypatch.setattr(change_point_module, "by_load", lambda *given: np.full(N, np.inf))
-    assert change_point(base, sizes(base), excess(base)) is None
+    assert change_point(base, sizes_of(base), excess(base)) is None
 
 
 def test_a_diagnosis_tells_the_moment() -> None:

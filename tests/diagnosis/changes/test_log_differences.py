@@ -10,7 +10,17 @@ import muscle_motion
 import numpy as np
 import numpy.typing as npt
 import pytest
-from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
+from linear_motion import (
+    MODEL,
+    RATE_HZ,
+    TRUTH,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    sizes_of,
+    smoothed_levels,
+    standing,
+)
 from muscle_motion import muscle_angle, muscle_log
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
@@ -19,7 +29,6 @@ from softid.diagnosis.changes.held_out_difference import shows_motion_of
 from softid.diagnosis.changes.log_differences import LogDifferences, log_differences
 from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
-from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.report.changes import difference_issues
 from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
@@ -34,15 +43,9 @@ N, NOISE, MOVED = 1500, 0.01, 0.2
 TIME_S = np.arange(N) / RATE_HZ
 
 
-def pressure(seed: int) -> Array:
-    levels = np.random.default_rng(100 + seed).uniform(10.0, 100.0, N // 50)
-    smooth = np.convolve(np.repeat(levels, 50), np.ones(10) / 10.0, mode="same")
-    return np.where(TIME_S < 1.0, 0.0, smooth)
-
-
 def log_with(seed: int, kind: str = "", size: float = 0.0) -> Log:
     """The linear actuator with one change from the first sample on."""
-    truth, u = dict(TRUTH), pressure(seed)
+    truth, u = dict(TRUTH), smoothed_levels(TIME_S, seed)
     if kind in ("stiffness", "damping"):
         truth["Q" if kind == "stiffness" else "N"] *= 1.0 + size
     arriving = u * (1.0 + size) if kind == "pressure_gain" else u
@@ -55,7 +58,7 @@ def log_with(seed: int, kind: str = "", size: float = 0.0) -> Log:
 
 def log_of(seed: int, truth: Mapping[str, float]) -> Log:
     """The linear actuator with parameters of its own."""
-    u = pressure(seed)
+    u = smoothed_levels(TIME_S, seed)
     noise = NOISE * np.random.default_rng(seed).standard_normal(N)
     angle = linear_angle(TIME_S, u, truth) + noise
     return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle}, name=f"log-{seed}")
@@ -64,7 +67,7 @@ def log_of(seed: int, truth: Mapping[str, float]) -> Log:
 def fitted(log: Log, truth: Mapping[str, float] = TRUTH) -> tuple[Candidate, Scale]:
     problem = linear_problem([log])
     base = advance(standing(problem, problem.unknowns(truth)), {"angle": NOISE}, 40)
-    return base, scale_of(problem, base.minimum.point)
+    return base, sizes_of(base)
 
 
 def found_in(other: Log, *, zero_counts: bool = False) -> LogDifferences | None:
@@ -261,7 +264,8 @@ def drive_log(offset_kpa: float) -> Log:
     """The exact position of a drive 0.4 x'' + 10 x' = u − offset, from rest at zero."""
     from scipy.signal import lsim
 
-    u = pressure(1) - pressure(1).mean()
+    u = smoothed_levels(TIME_S, 1)
+    u = u - u.mean()
     angle = lsim(([1.0], [0.4, 10.0, 0.0]), u - offset_kpa, TIME_S, interp=True)[1]
     return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle}, name=f"drive-{offset_kpa}")
 
@@ -277,7 +281,7 @@ def test_a_payload_of_a_muscle_is_inertia_and_load(mass: float, weight: float) -
     logs = [muscle_with(0, theta)]
     problem = Problem(muscle_motion.MODEL, known.with_values(theta), logs)
     base = advance(standing(problem, problem.unknowns(theta)), {"angle": NOISE}, 40)
-    scale = scale_of(problem, base.minimum.point)
+    scale = sizes_of(base)
     other = muscle_with(1, {**theta, "M": mass * theta["M"]}, weight * scale.force)
     left = HeldOutLogs((other,)).first_errors(base)
     found = log_differences(base, scale, [other], before=float(left @ left), noise=NOISE**2 * N)
@@ -290,7 +294,7 @@ def test_a_payload_of_a_muscle_is_inertia_and_load(mass: float, weight: float) -
 
 
 def muscle_with(seed: int, theta: Mapping[str, float], load: float = 0.0) -> Log:
-    u = pressure(seed)
+    u = smoothed_levels(TIME_S, seed)
     noise = NOISE * np.random.default_rng(seed).standard_normal(N)
     angle = muscle_angle(TIME_S, u, theta, load=load) + noise
     return muscle_log(f"muscle-{seed}", TIME_S, u, angle)

@@ -7,14 +7,21 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
-from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
+from linear_motion import (
+    RATE_HZ,
+    TRUTH,
+    excess_over,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    sizes_of,
+    standing,
+)
 
 from softid.diagnosis.changes.jump_search import seen_again, zero_jumps
 from softid.diagnosis.changes.zero_jumps import ZERO_JUMP, ZeroJump, without_jumps
 from softid.diagnosis.logs.decimation import AveragedLog, decimated
 from softid.diagnosis.refit.candidates import Candidate, advance
-from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.effects.scale import Scale
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -30,27 +37,15 @@ def fitted(*logs: Log) -> Candidate:
     return advance(standing(problem, start), {"angle": NOISE}, 40)
 
 
-def sizes(model: Candidate) -> Scale:
-    return scale_of(model.problem, model.minimum.point)
-
-
 def log_with(added: Array | float, seed: int = 0) -> Log:
     return linear_log(noise=NOISE, seed=seed, samples=N, added=added)
-
-
-def excess(model: Candidate) -> float:
-    """Variance above that of the noise, which these logs know."""
-    left = np.concatenate(
-        [b.residual for b in model.problem.blocks(model.minimum.point, derivatives=False)]
-    )
-    return float(np.mean(left**2) / NOISE**2 - 1.0)
 
 
 @pytest.mark.parametrize("hidden", [0.0, 0.1 * np.sin(1.3 * TIME_S)])
 def test_a_jump_is_seen_at_its_moment_beside_something_else(hidden: Array | float) -> None:
     """Known truth, alone and beside a swing that no parameter follows, in one log of two."""
     model = fitted(log_with(0.0, 1), log_with(SLIPPED + hidden))
-    (jump,) = zero_jumps(model, sizes(model), excess(model))
+    (jump,) = zero_jumps(model, sizes_of(model), excess_over(NOISE, model))
     assert jump.log == "linear-0"
     assert jump.time_s == pytest.approx(AT_S, abs=1.5 / RATE_HZ)
     assert jump.size == pytest.approx(SIZE, rel=0.15)
@@ -60,7 +55,7 @@ def test_a_jump_is_seen_at_its_moment_beside_something_else(hidden: Array | floa
 def test_what_goes_on_throughout_is_no_jump(added: Array | float) -> None:
     """Noise, a drift and a swing."""
     model = fitted(log_with(added))
-    assert zero_jumps(model, sizes(model), excess(model)) == ()
+    assert zero_jumps(model, sizes_of(model), excess_over(NOISE, model)) == ()
 
 
 def test_a_jump_while_readings_are_lost_is_seen_beside_the_gap() -> None:
@@ -68,7 +63,7 @@ def test_a_jump_while_readings_are_lost_is_seen_beside_the_gap() -> None:
     half = ZeroJump("linear-0", AT_S, SIZE / 2.0)
     log = without_jumps(log_with(SLIPPED), [half])
     model = fitted(log.with_masked(np.abs(TIME_S - AT_S) < 1.5))
-    (jump,) = seen_again(model, sizes(model), [half])
+    (jump,) = seen_again(model, sizes_of(model), [half])
     assert jump.time_s == pytest.approx(AT_S, abs=1.6)
     assert jump.size == pytest.approx(SIZE, rel=0.05)
 
@@ -77,7 +72,7 @@ def test_a_jump_that_was_taken_out_wrongly_is_seen_again() -> None:
     """Half of it is left, and it was taken three samples late."""
     rough = ZeroJump("linear-0", AT_S + 3.0 / RATE_HZ, SIZE / 2.0)
     model = fitted(without_jumps(log_with(SLIPPED), [rough]))
-    (jump,) = seen_again(model, sizes(model), [rough])
+    (jump,) = seen_again(model, sizes_of(model), [rough])
     assert jump.time_s == pytest.approx(AT_S, abs=1.5 / RATE_HZ)
     assert jump.size == pytest.approx(SIZE, rel=0.05)
 
@@ -87,15 +82,15 @@ def test_a_load_is_taken_out_along_its_course() -> None:
     pressure = np.where(TIME_S > AT_S, SIZE * TRUTH["Q"], 0.0)
     moved = log_with(linear_angle(TIME_S, pressure))
     model = fitted(moved)
-    rough = zero_jumps(model, sizes(model), excess(model))
+    rough = zero_jumps(model, sizes_of(model), excess_over(NOISE, model))
     for _ in range(3):
         model = fitted(without_jumps(moved, rough))
-        rough = seen_again(model, sizes(model), rough)
+        rough = seen_again(model, sizes_of(model), rough)
     (jump,) = rough
     assert jump.kind == "load"
     assert jump.time_s == pytest.approx(AT_S, abs=1.5 / RATE_HZ)
     assert jump.size == pytest.approx(SIZE, rel=0.05)
-    assert excess(model) == pytest.approx(0.0, abs=0.1)
+    assert excess_over(NOISE, model) == pytest.approx(0.0, abs=0.1)
     (issue,) = without_jumps(moved, [jump]).issues
     assert f"another place at {jump.time_s:.4g} s, angle by +0.2 rad, as where" in issue.message
     either = replace(jump, kind="zero or load")
