@@ -122,12 +122,12 @@ def _issue(log: Log, jump: ZeroJump) -> Issue:
     told, remedy = IN_WORDS[jump.kind]
     if isinstance(jump.course, LoadInLog):
         size = f"{size} on average"
-    what = told.format(name=name, size=size, time=f"{jump.time_s:.4g} s")
+    what = told.format(name=name, size=size, time=f"{jump.time_s:.4g} s of {log.name}")
     taken = "as if it had been so from the start" if jump.stays else "without that"
     return Issue(
         ZERO_JUMP,
         "warning",
-        f"{log.name}: {what}; the causes are those of the readings {taken}",
+        f"{what}; the readings are taken {taken}",
         f"look at what happened then, such as {remedy}",
     )
 

@@ -22,7 +22,10 @@ from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.with_jump_moments import search_with_jump_moments
 from softid.diagnosis.searches.without_ends import search_without_ends
-from softid.diagnosis.searches.without_zero_jumps import search_without_zero_jumps
+from softid.diagnosis.searches.without_zero_jumps import (
+    search_without_jumps_of_judges,
+    search_without_zero_jumps,
+)
 from softid.intersample import Intersample
 from softid.log import Log
 
@@ -115,13 +118,18 @@ def _over_mended_logs(
 ) -> Searched | None:
     """What is found without what a filter made of ends, between jumps, or after a jump of zero."""
     inner = search_without_ends(recordings, request, search, found)
-    if inner is not None or not found.remainder.structured:
+    if inner is not None:
         return inner
+    if not found.remainder.structured:
+        return search_without_jumps_of_judges(recordings, request, search, found)
     if is_in_doubt and found.chain.links:
         timed = search_with_jump_moments(recordings, request, search, found.chain)
         if timed is not None:
             return timed
-    return search_without_zero_jumps(recordings, request, search, found)
+    steady = search_without_zero_jumps(recordings, request, search, found)
+    if steady is not None or not found.came_to_nothing:
+        return steady
+    return search_without_jumps_of_judges(recordings, request, search, found)
 
 
 def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResult:

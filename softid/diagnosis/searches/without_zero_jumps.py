@@ -31,6 +31,10 @@ ROUNDS, ENOUGH = 8, 5
 """Jumps are seen again with the causes that are found without them, so many times in all; so many
 are enough where the causes are sure, or no longer come nearer."""
 
+JUDGED = 3
+"""So often a jump is looked for in the logs that judge, which may have several, or one whose moment
+is known better without the most of it."""
+
 NEARER = 0.5
 """Share of the misfit above the noise that causes leave of what the round before did, below which
 they come nearer."""
@@ -115,6 +119,35 @@ def search_without_zero_jumps(
             return (found, over) if found.is_sure or (any(found.is_named) and is_less) else None
         if is_enough and left > NEARER * left_before:
             return None
+    return None
+
+
+def search_without_jumps_of_judges(
+    recordings: Recordings, request: Request, search: CauseSearch, known: SearchResult
+) -> tuple[SearchResult, CauseSearch] | None:
+    """Causes that what is held out speaks against, or would, where a jump there is why.
+
+    Parameters
+    ----------
+    recordings, request, search, known
+        As in `search_without_zero_jumps`.
+
+    Returns
+    -------
+    SearchResult and CauseSearch, or None
+        None where no cause is sure without the likely jumps of the logs that judge.
+    """
+    request = replace(request, model=search.base.candidate.problem.model)
+    jumps: tuple[ZeroJump, ...] = ()
+    for _ in range(JUDGED):
+        further = _jumps_in_judges(known, search.base)
+        if not further:
+            return None
+        jumps = (*jumps, *further)
+        search = replace(search, base=_fit_without(jumps, recordings, request))
+        known = search.search()
+        if known.is_sure:
+            return known, search
     return None
 
 

@@ -92,10 +92,11 @@ def test_a_load_is_taken_out_along_its_course() -> None:
     assert jump.size == pytest.approx(SIZE, rel=0.05)
     assert excess_over(NOISE, model) == pytest.approx(0.0, abs=0.1)
     (issue,) = without_jumps(moved, [jump]).issues
-    assert f"another place at {jump.time_s:.4g} s, angle by +0.2 rad, as where" in issue.message
+    place = f"another place at {jump.time_s:.4g} s of {moved.name}, angle by +0.2 rad, as where"
+    assert place in issue.message
     either = replace(jump, kind="zero or load")
     (issue,) = without_jumps(moved, [either]).issues
-    assert ", or a load is put on or taken off; the causes" in issue.message
+    assert ", or a load is put on or taken off; the readings" in issue.message
 
 
 @pytest.mark.parametrize("count", [1, 4])
@@ -116,4 +117,4 @@ def test_the_log_without_a_jump_is_that_before_it(count: int) -> None:
         assert np.median(np.abs(angles[1] - angles[0])) == pytest.approx(0.0, abs=1e-12)
         assert np.abs(angles[1] - angles[0]).max() < (SIZE if count > 1 else 1e-12)
     (issue,) = [issue for issue in steady.issues if issue.code == ZERO_JUMP]
-    assert "linear-0: the zero of angle jumps by +0.2 rad at 17 s" in issue.message
+    assert "the zero of angle jumps by +0.2 rad at 17 s of linear-0" in issue.message

@@ -86,6 +86,37 @@ def test_a_slip_of_the_judge_is_told_too() -> None:
     assert [issue.code for issue in found.issues].count(ZERO_JUMP) == 2
 
 
+@pytest.mark.parametrize("spread", [0.15, 1.0])
+def test_a_slip_of_the_judge_alone_refuses_no_cause(spread: float) -> None:
+    """Known truth; the larger one leaves of the held-out error nearly all, whatever is fitted."""
+    pair = hidden_pair(["delay"], seed=5, model="oscillator")
+    train, hold_out = pair.logs
+    effects = ["delay", "hysteresis"]
+    logs = train, slipped(hold_out, spread)
+    found = diagnose(logs[0], hold_out=[logs[1]], model="oscillator", effects=effects)
+    (told,) = (issue.message for issue in found.issues if issue.code == ZERO_JUMP)
+    moment = re.search(rf"position jumps by \+[0-9.]+ mm at ([0-9.]+) s of {hold_out.name}", told)
+    assert moment is not None
+    assert float(moment[1]) == pytest.approx(SLIPS_AT * hold_out.time_s[-1], abs=0.01)
+    assert found.verdict is Verdict.NAMED
+    assert [cause.effect for cause in found.causes] == ["delay"]
+    assert all_recovered(found, pair)
+
+
+@pytest.mark.slow
+def test_a_load_that_the_judge_alone_bears_refuses_no_cause() -> None:
+    """Known truth: two logs of one actuator, which bears a load in the second half of the other."""
+    bare, loaded = hidden_pair(["creep"], seed=3), hidden_pair(["creep", "load_jump"], seed=3)
+    fitted, judge = bare.logs[1], replace(loaded.logs[0], name="judge")
+    found = diagnose(fitted, hold_out=[judge], model="muscle")
+    (told,) = (issue.message for issue in found.issues if issue.code == ZERO_JUMP)
+    moment = re.search(r"another place at ([0-9.]+) s of judge, contraction by -", told)
+    assert moment is not None
+    assert float(moment[1]) == pytest.approx(loaded.hidden["load_jump"]["at"], abs=0.05)
+    assert [cause.effect for cause in found.causes] == ["creep"]
+    assert all_recovered(found, bare)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "shares", "spread"), [(3, (0.55,), 0.3), (3, (0.55,), 1.0), (8, (0.35, 0.75), 0.3)]
@@ -111,8 +142,9 @@ def test_a_cause_is_named_beside_a_load(
     found = diagnose(loaded, hold_out=[hold_out], model="oscillator")
     told = [issue.message for issue in found.issues if issue.code == ZERO_JUMP]
     assert len(told) == len(moments_s)
+    place = rf"another place at ([0-9.]+) s of {train.name}, {name} by ([-+0-9.]+) mm"
     for message, at_s in zip(told, moments_s, strict=True):
-        moment = re.search(rf"another place at ([0-9.]+) s, {name} by ([-+0-9.]+) mm", message)
+        moment = re.search(place, message)
         assert moment is not None
         assert float(moment[1]) == pytest.approx(at_s, abs=0.02)
         assert abs(float(moment[2])) == pytest.approx(size, rel=0.05)
@@ -143,7 +175,7 @@ def test_a_cause_is_named_beside_a_load_of_a_muscle(effect: str, seed: int) -> N
     found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
     (told,) = (issue.message for issue in found.issues if issue.code == ZERO_JUMP)
     moment = re.search(
-        r"another place at ([0-9.]+) s, contraction by [-+0-9.]+ mm on average", told
+        r"another place at ([0-9.]+) s of train, contraction by [-+0-9.]+ mm on average", told
     )
     assert moment is not None
     assert float(moment[1]) == pytest.approx(pair.hidden["load_jump"]["at"], abs=0.05)
