@@ -18,10 +18,10 @@ from softid.diagnosis.base.base_fit import Recordings
 from softid.diagnosis.logs.decimation import with_other_intersample
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
+from softid.diagnosis.refit.parts_of_logs import refitted_to_changed
 from softid.diagnosis.residual.noise_model import moments_of
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.scale import Scale
-from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import residuals_by_channel, squared_autocorrelation
 from softid.identification.input_treatment import explained_best, other_ways
 from softid.identification.intersample_choice import (
@@ -271,14 +271,8 @@ def refitted_as(
     intersample
         What the input does between its samples.
     """
-    problem = candidate.problem
-    logs = [with_other_intersample(log, intersample) for log in problem.logs]
-    changed = Problem(problem.model, problem.parameters, logs)
-    if changed.size != problem.size:
-        return None
-    begin = replace(candidate.minimum, damping=None)
-    refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, REFIT_EVALUATIONS)
-    return refitted if np.isfinite(refitted.squares) else None
+    logs = [with_other_intersample(log, intersample) for log in candidate.problem.logs]
+    return refitted_to_changed(candidate, sigma, logs, REFIT_EVALUATIONS)
 
 
 def explained_alike(

@@ -104,6 +104,25 @@ def without_jumps(log: Log, jumps: Iterable[ZeroJump]) -> Log:
     return log
 
 
+def with_jumps_exchanged(log: Log, out: Iterable[ZeroJump], others: Iterable[ZeroJump]) -> Log:
+    """A log out of which jumps were taken, as it is without others in their place.
+
+    Parameters
+    ----------
+    log
+        The log without jumps.
+    out
+        What was taken out of any logs.
+    others
+        What is to be taken out of them.
+    """
+    put_back = (replace(jump, size=-jump.size) for jump in out)
+    for jump in (*put_back, *others):
+        if jump.log == log.name:
+            log = _without(log, jump)
+    return log
+
+
 def is_without_jumps(log: Log) -> bool:
     """Whether jumps were taken out of a log.
 

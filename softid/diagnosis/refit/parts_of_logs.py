@@ -1,8 +1,9 @@
-"""A model refitted to parts of its logs, of which another model may be true."""
+"""A model refitted to parts of its logs, of which another may be true, or to changed ones."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -55,6 +56,31 @@ def refitted(
     starts = [known.parameters, *(guess.values_dict() for guess in guesses[:1])]
     begins = [begun(known, known.effects, problem, problem.unknowns(start)) for start in starts]
     return best_settled(begins, sigma, evaluations)
+
+
+def refitted_to_changed(
+    known: Candidate, sigma: Mapping[str, float], logs: Sequence[Log], evaluations: int
+) -> Candidate | None:
+    """A model with its effects refitted to its logs after a small change, from where it stands.
+
+    Parameters
+    ----------
+    known, sigma, evaluations
+        As in `refitted`.
+    logs
+        The changed logs.
+
+    Returns
+    -------
+    Candidate or None
+        None where its unknowns differ with that, or the response is not finite.
+    """
+    problem = Problem(known.problem.model, known.problem.parameters, logs)
+    if problem.size != known.problem.size:
+        return None
+    begin = replace(known, problem=problem, minimum=replace(known.minimum, damping=None))
+    again = advance(begin, sigma, evaluations)
+    return again if np.isfinite(again.squares) else None
 
 
 def best_settled(

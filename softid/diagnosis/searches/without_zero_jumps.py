@@ -18,8 +18,10 @@ from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.jump_search import seen_again, zero_jumps
 from softid.diagnosis.changes.loads import LoadInLog
 from softid.diagnosis.changes.shifts import EITHER, LOAD, ZERO
-from softid.diagnosis.changes.zero_jumps import ZeroJump, without_jumps
+from softid.diagnosis.changes.zero_jumps import ZeroJump, with_jumps_exchanged, without_jumps
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.optimum import squares_under
+from softid.diagnosis.refit.parts_of_logs import refitted_to_changed
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.searches.cause_search import CauseSearch
 from softid.diagnosis.searches.search_result import SearchResult
@@ -30,6 +32,9 @@ IN_TIME = attrgetter("log", "time_s")
 ROUNDS, ENOUGH = 8, 5
 """Jumps are seen again with the causes that are found without them, so many times in all; so many
 are enough where the causes are sure, or no longer come nearer."""
+
+SETTLING, SETTLING_EVALUATIONS = 6, 15
+"""A model and the jumps that it sees settle in so many turns, each with so many simulations."""
 
 JUDGED = 3
 """So often a jump is looked for in the logs that judge, which may have several, or one whose moment
@@ -95,29 +100,33 @@ def search_without_zero_jumps(
     for k in range(ROUNDS):
         if not jumps:
             return None
-        again = _fit_without((*jumps, *in_judges), recordings, request)
-        bare = squares_under(again.candidate, again.sigma, base.sigma)
+        over = replace(search, base=_fit_without((*jumps, *in_judges), recordings, request))
+        bare = squares_under(over.base.candidate, over.base.sigma, base.sigma)
         if base.candidate.squares - bare > (1.0 - LEFT_TO_CAUSES) * misfit:
             return None
-        over = replace(search, base=again)
         first = over.first_cause()
-        mended = squares_under(first.final, again.sigma, base.sigma)
+        mended = squares_under(first.final, over.base.sigma, base.sigma)
         if mended > MENDED * (known.first or base.candidate).squares:
             return None
+        nearer = _settled(jumps, first.final, over, near_s) if not k else jumps
+        if len(nearer) == len(jumps) and not _are_same(jumps, nearer, near_s):
+            jumps = nearer  # with the first cause, before others are found that make up for it
+            over = replace(search, base=_fit_without(jumps, recordings, request))
+            first = over.first_cause()
         found = over.search(first)
-        seen = seen_again(found.chain.final, base.scale, jumps)
+        seen = _settled(jumps, found.chain.final, over, near_s)
         is_known = _are_same(jumps, seen, near_s)
         further = _further_jumps(found, over, tried) if k or is_known else ()
         if not (further or in_judges):
-            in_judges = _jumps_in_judges(found, again)
+            in_judges = _jumps_in_judges(found, over.base)
             is_known = is_known and not in_judges
         jumps, tried = tuple(sorted((*seen, *further), key=IN_TIME)), (*tried, *further)
-        left_before, left = left, squares_under(found.chain.final, again.sigma, base.sigma) - noise
+        before, left = left, squares_under(found.chain.final, over.base.sigma, base.sigma) - noise
         is_enough = k + 1 >= ENOUGH
         if (is_known and not further) or (is_enough and found.is_sure):
             is_less = left < OUTDONE * (known.chain.final.squares - noise)
             return (found, over) if found.is_sure or (any(found.is_named) and is_less) else None
-        if is_enough and left > NEARER * left_before:
+        if is_enough and left > NEARER * before:
             return None
     return None
 
@@ -171,6 +180,36 @@ def _fit_without(jumps: tuple[ZeroJump, ...], recordings: Recordings, request: R
     """The base in readings without jumps."""
     steady = recordings.each(partial(without_jumps, jumps=jumps))
     return request.fit_base(steady.logs, steady.hold_out, thorough=False)
+
+
+def _settled(
+    jumps: tuple[ZeroJump, ...], model: Candidate, search: CauseSearch, near_s: float
+) -> tuple[ZeroJump, ...]:
+    """The jumps as a model sees them that is refitted without them until they stay.
+
+    Parameters
+    ----------
+    jumps
+        What was taken out of the logs of the model.
+    model
+        The base with causes.
+    search
+        The search that found it.
+    near_s
+        Moments that differ by less are the same.
+    """
+    base = search.base
+    for _ in range(SETTLING):
+        seen = seen_again(model, base.scale, jumps)
+        if len(seen) < len(jumps) or _are_same(jumps, seen, near_s):
+            return seen
+        exchange = partial(with_jumps_exchanged, out=jumps, others=seen)
+        logs = [exchange(log) for log in model.problem.logs]
+        again = refitted_to_changed(model, base.sigma, logs, SETTLING_EVALUATIONS)
+        if again is None:
+            return seen
+        jumps, model = seen, again
+    return jumps
 
 
 def _further_jumps(

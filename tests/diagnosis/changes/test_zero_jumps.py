@@ -19,7 +19,12 @@ from linear_motion import (
 )
 
 from softid.diagnosis.changes.jump_search import seen_again, zero_jumps
-from softid.diagnosis.changes.zero_jumps import ZERO_JUMP, ZeroJump, without_jumps
+from softid.diagnosis.changes.zero_jumps import (
+    ZERO_JUMP,
+    ZeroJump,
+    with_jumps_exchanged,
+    without_jumps,
+)
 from softid.diagnosis.logs.decimation import AveragedLog, decimated
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.log import Log
@@ -118,3 +123,14 @@ def test_the_log_without_a_jump_is_that_before_it(count: int) -> None:
         assert np.abs(angles[1] - angles[0]).max() < (SIZE if count > 1 else 1e-12)
     (issue,) = [issue for issue in steady.issues if issue.code == ZERO_JUMP]
     assert "the zero of angle jumps by +0.2 rad at 17 s of linear-0" in issue.message
+
+
+def test_exchanged_jumps_are_those_taken_out_at_once() -> None:
+    """Of one log only, whichever is given first; what was taken out wrongly comes back."""
+    wrong, right = ZeroJump("linear-0", AT_S - 1.0, -SIZE), ZeroJump("linear-0", AT_S, SIZE)
+    other = replace(right, log="another")
+    slipped = log_with(SLIPPED)
+    exchanged = with_jumps_exchanged(without_jumps(slipped, [wrong]), [other, wrong], [right])
+    at_once = without_jumps(slipped, [right])
+    angles = [log.channels["angle"].values for log in (exchanged, at_once)]
+    assert angles[0] == pytest.approx(angles[1], abs=1e-12)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.parts_of_logs import refitted
+from softid.diagnosis.refit.parts_of_logs import refitted, refitted_to_changed
 from softid.errors import IdentificationError
 from softid.log import Log
 
@@ -36,3 +37,17 @@ def test_too_few_samples_are_refused() -> None:
     log = linear_log(noise=0.001)
     with pytest.raises(IdentificationError, match="3 samples cannot tell"):
         refitted(standing_at(log, {}), SIGMA, [log.with_masked(np.arange(1000) >= 3)], 40)
+
+
+def test_a_model_follows_its_log_after_a_change() -> None:
+    """Twice the angle asks for half of all forces, and a log of two parts for other unknowns."""
+    log = linear_log(noise=0.0)
+    known, angle = standing_at(log, {}), log.channels["angle"]
+    twice = replace(angle, values=2.0 * angle.values)
+    again = refitted_to_changed(
+        known, SIGMA, [replace(log, channels={**log.channels, "angle": twice})], 40
+    )
+    assert again is not None
+    for name in ("M", "N", "Q"):
+        assert again.parameters[name] == pytest.approx(0.5 * TRUTH[name], rel=1e-3)
+    assert refitted_to_changed(known, SIGMA, [log, linear_log(seed=1)], 40) is None
