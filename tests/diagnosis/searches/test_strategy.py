@@ -29,6 +29,9 @@ from softid.diagnosis.searches.strategy import BETTER_BASE, search_causes, searc
 from softid.diagnosis_results import Remainder
 
 
+WITHOUT_JUMPS = ("search_without_zero_jumps", "search_without_jumps_of_judges")
+
+
 def explanations(**known: Any) -> Any:
     """No explanation but a known one."""
     none = {
@@ -42,16 +45,28 @@ def explanations(**known: Any) -> Any:
 @pytest.fixture(autouse=True)
 def no_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
     """No sensor slips in logs that nobody made."""
-    monkeypatch.setattr(strategy, "search_without_zero_jumps", lambda *args: None)
+    for name in WITHOUT_JUMPS:
+        monkeypatch.setattr(strategy, name, lambda *args: None)
 
 
-@pytest.mark.parametrize(("known", "stands"), [(NOTHING, True), (NAMED, False)])
-def test_what_is_sure_without_a_jump_stands_where_structure_is_left(
-    known: SearchResult, stands: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("known", "of", "stands"),
+    [
+        (NOTHING, "search_without_zero_jumps", True),
+        (NAMED, "search_without_zero_jumps", False),
+        (NOTHING, "search_without_jumps_of_judges", True),
+        (NAMED, "search_without_jumps_of_judges", True),
+        (replace(NAMED, remainder=STRUCTURE), "search_without_jumps_of_judges", False),
+    ],
+)
+def test_what_is_sure_without_a_jump_stands(
+    known: SearchResult, of: str, stands: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where causes leave noise nobody looks for a slip."""
+    """In the fitted logs where structure is left; in what judges, where none is or nothing has a
+    name."""
     steady = SearchResult(chain_of("ageing"), NOISE, (True,)), search_over()
-    monkeypatch.setattr(strategy, "search_without_zero_jumps", lambda *args: steady)
+    monkeypatch.setattr(strategy, of, lambda *args: steady)
+    monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, found: found)
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": known}, by=[]))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
