@@ -38,10 +38,14 @@ def test_a_law_that_what_is_held_out_refuses_is_told(after: float, words: str | 
         assert words in shown.summary
 
 
-@pytest.mark.parametrize(("key", "anew"), [("delay", False), ("softening", True)])
-def test_what_begins_with_a_log_may_have_begun_before(key: str, anew: bool) -> None:
-    """A rubber that the first log has worn in is worn in when the second begins."""
-    found = link(300.0, key=key)
+@pytest.mark.parametrize(
+    ("key", "left", "anew"),
+    [("delay", 50.0, False), ("softening", 50.0, True), ("softening", 95.0, False)],
+)
+def test_what_begins_with_a_log_may_have_begun_before(key: str, left: float, anew: bool) -> None:
+    """A rubber that the first log has worn in is worn in when the second begins; but one that
+    explains a twentieth is no reason to record anything for it."""
+    found = link(300.0, key=key, after=left)
     (told,) = refusal_issues(Chain((), found, found.before.candidate), judge(1.0, 1.4))
     assert told.remedy is not None
     assert ("recorded after the others" in told.remedy) is anew
