@@ -58,7 +58,7 @@ def test_a_cause_is_named_beside_a_slip() -> None:
     pair = hidden_pair(["coulomb_friction"], seed=2)
     found = answer_to(pair, 0.3)
     assert told_and_named(found, pair, "coulomb_friction")
-    assert "the zero of contraction jumps by" in found.summary
+    assert "The zero of contraction jumps by" in found.summary
 
 
 @pytest.mark.slow
