@@ -62,8 +62,9 @@ BEGINNING = 0.1
 """What begins in this share of a log may be no spell, for much relaxes after the first motion."""
 
 INSIDE_SHARE = 0.95
-"""Share of a spell whose positions lie within those outside, and quantile of its speeds that the
-fastest ones outside reach: else a law may act there alone, unless it is the clock that jumps."""
+"""Share of a spell whose positions lie within those outside, and quantile of its speeds and of its
+accelerations that the largest ones outside reach: else a law may act there alone, unless it is the
+clock that jumps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,7 @@ class Spells:
     before, noise
         Sums of squares of the first output in the spells: what that model leaves, and the noise.
     is_met
-        Whether the positions and speeds of the spells are met outside of them, too.
+        Whether the positions, speeds and accelerations of the spells are met outside of them, too.
     begins_early, ends_last
         Whether the first of them begins with the log, and the last lasts to its end.
     """
@@ -264,15 +265,22 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
 
 
 def _are_covered(model: Candidate, outside: BoolArray) -> bool:
-    """Whether the positions and speeds of the spells are met outside of them, too."""
+    """Whether the positions, speeds and accelerations of the spells are met outside of them, too.
+
+    In a row of sines the fast ones may be as far and as slow at resonance as before it.
+    """
     segments, motions = model.problem.segments, residual_context(model)
     x, v = (np.concatenate([getattr(motion, name) for motion in motions]) for name in "xv")
+    a = np.concatenate([np.gradient(motion.v, motion.time_s) for motion in motions])
     without = np.concatenate([outside[s.start : s.stop] for s in segments])
-    if without.all() or not (np.isfinite(x).all() and np.isfinite(v).all()):
+    if without.all() or not all(np.isfinite(part).all() for part in (x, v, a)):
         return False
     low, high = x[without].min(), x[without].max()
     met = np.mean((x[~without] >= low) & (x[~without] <= high)) >= INSIDE_SHARE
-    return bool(met and np.quantile(np.abs(v[~without]), INSIDE_SHARE) <= np.abs(v[without]).max())
+    return bool(met) and all(
+        np.quantile(np.abs(rate[~without]), INSIDE_SHARE) <= np.abs(rate[without]).max()
+        for rate in (v, a)
+    )
 
 
 def _loudness(residual: Array, variance: float) -> Array:

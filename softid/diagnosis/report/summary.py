@@ -130,6 +130,8 @@ def _without_name(found: Diagnosis, left: WhatIsLeft, remarks: Remarks) -> list[
     changes = [sentence(change) for change in remarks.changes]
     if found.descriptive and not found.remainder.structured and _has_law(found):
         changes += left.beside_laws(found.descriptive)
+    if changes:
+        changes += map(sentence, remarks.laws)
     told = changes or left.by_unknown(found.descriptive or found.causes, remarks.laws)
     return [*told, *map(sentence, remarks.held_out_changes)]
 

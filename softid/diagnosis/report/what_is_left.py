@@ -141,8 +141,12 @@ class WhatIsLeft:
         """
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"
-        share = percent(self.remainder.explained_share)
-        told = f"Of the effects in the catalogue, {names} {takes} away {share}."
+        share, held_out = percent(self.remainder.explained_share), self.remainder.held_out_share
+        held = percent(held_out) if held_out > 0.0 else "nothing"
+        told = (
+            f"Of the effects in the catalogue, {names} {takes} away {share} on the fitted samples, "
+            f"and {held} on those held out."
+        )
         return [told] if self.remainder.structured else [told, *doubts_about(tried)]
 
     def by_partial(self) -> list[str]:

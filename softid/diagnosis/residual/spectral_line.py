@@ -59,6 +59,10 @@ AS_STRONG = 0.5
 """Share of a line's amplitude on the whole log that it has in a quarter which shows it as
 strong."""
 
+HARMONICS, WIDTH = 6, 3
+"""Multiples of the rate at which the input moves that are of it, for of what begins at once and
+settles a higher one holds less than `LEAST_SHARE`; and bins that a line is wide on either side."""
+
 CYCLES_OF_A_PART, MOST_PARTS, IN_STEP = 2.0, 16, 0.75
 """Cycles that a part of a log holds at least, most such parts, and the least share of their mean
 power that a line has on the whole log whose phase is the same in all: each move of the input sets
@@ -118,6 +122,7 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
         return None
     chance = log(places.size) - log(LINE_CHANCE)
     in_input = _height(driven, places) > chance
+    in_input |= _of_moves(u, places, chance)
     in_input |= np.append(in_input[1:], False) | np.append(False, in_input[:-1])
     height = np.where(in_input, 0.0, _height(power, places))
     best = int(np.argmax(height))
@@ -137,6 +142,23 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     if not (steady and share >= LEAST_SHARE):
         return None
     return Line(line_hz, whole, min(share, 1.0), _is_in_step(time_s, residual, line_hz))
+
+
+def _of_moves(u: Array, places: npt.NDArray[np.intp], chance: float) -> BoolArray:
+    """Whether bins are of the rate at which the input moves, either way, or of a low harmonic.
+
+    A staircase that goes up and down again has no line at the rate of its steps, but what it does
+    to the motion at each of them has.
+    """
+    heights = _height(_power(np.abs(np.gradient(u))), places)
+    tall = heights > chance
+    if not tall.any():
+        return tall
+    lowest = places[tall][0]
+    first = places[tall & (places <= lowest + WIDTH)]
+    rate = int(first[np.argmax(heights[np.isin(places, first)])])
+    found: BoolArray = tall & (places <= HARMONICS * rate + WIDTH)
+    return found
 
 
 def _is_in_step(time_s: Array, residual: Array, line_hz: float) -> bool:

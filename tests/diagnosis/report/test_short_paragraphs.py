@@ -56,7 +56,8 @@ def test_of_a_law_in_no_catalogue_the_descriptions_are_beside_the_point() -> Non
     text = told(replace(found, issues=(law,), next_experiment="look at it"))
     assert (
         "none of the effects tried can be named for it. What is missing behaves like a law. Of the "
-        "effects in the catalogue, dry friction takes away 60 %. Next: look at it." in text
+        "effects in the catalogue, dry friction takes away 60 % on the fitted samples, and "
+        "100 % on those held out. Next: look at it." in text
     )
     assert "cancels" not in text
     assert "plots" not in text

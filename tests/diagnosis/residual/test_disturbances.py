@@ -125,6 +125,20 @@ def test_chance_lines_of_random_steps_hide_no_line() -> None:
         assert found.frequency_hz == pytest.approx(1.0, abs=0.001)
 
 
+@pytest.mark.parametrize("dwell_s", [1.5, 2.0, 2.9])
+def test_steps_up_and_down_at_one_rate_are_their_motion(dwell_s: float) -> None:
+    """A staircase has no line at the rate of its steps, which alternate, but each leaves a pulse; a
+    line elsewhere is still one."""
+    number = np.floor(TIME_S / dwell_s)
+    steps = np.minimum(number, np.floor(TIME_S[-1] / dwell_s) - number)
+    late_s = TIME_S - number * dwell_s
+    pulses = np.exp(-late_s / (0.3 * dwell_s))
+    assert line_in(left(0.3 * noise(4) + 2.0 * (pulses - pulses.mean()), 10.0 * steps)) is None
+    found = line_in(left(noise(4) + 0.5 * np.sin(2.0 * np.pi * 5.7 * TIME_S), 10.0 * steps))
+    assert found is not None
+    assert found.frequency_hz == pytest.approx(5.7, abs=0.002)
+
+
 def test_a_weak_ripple_of_the_input_is_its_motion() -> None:
     """A hundredth of its steps high, far above them at 11.3 Hz: pulses of a valve."""
     ripple = np.sin(2.0 * np.pi * 11.3 * TIME_S)

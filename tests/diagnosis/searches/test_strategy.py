@@ -28,7 +28,6 @@ from softid.diagnosis.searches.search_result import SearchResult
 from softid.diagnosis.searches.strategy import BETTER_BASE, search_causes, search_with_intersample
 from softid.diagnosis_results import Remainder
 
-
 WITHOUT_JUMPS = ("search_without_zero_jumps", "search_without_jumps_of_judges")
 
 
