@@ -11,8 +11,15 @@ def lowered(text: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """The text with a capital letter and a full stop."""
-    return f"{text[:1].upper()}{text[1:]}."
+    """The text with a capital letter and a full stop; the name of a log before a colon stays.
+
+    Examples
+    --------
+    >>> sentence("the zero jumps"), sentence("step_1: the zero jumps")
+    ('The zero jumps.', 'step_1: the zero jumps.')
+    """
+    is_name = text.partition(" ")[0].endswith(":")
+    return f"{text}." if is_name else f"{text[:1].upper()}{text[1:]}."
 
 
 def listed(parts: Iterable[str], *, last: str = " and ") -> str:
