@@ -11,7 +11,7 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
-from softid.diagnosis.changes.changed_numbers import squares_of
+from softid.diagnosis.changes.changed_numbers import changes_of, squares_of
 from softid.diagnosis.changes.clock_jumps import is_clock_jump
 from softid.diagnosis.changes.log_differences import (
     LogDifferences,
@@ -22,9 +22,11 @@ from softid.diagnosis.changes.shifts import ZERO, Shift, shift_at
 from softid.diagnosis.changes.spells import (
     Spells,
     is_of_a_jump,
+    moves_as_in,
     residual_in,
     spells_elsewhere,
     spells_of,
+    usual_samples,
 )
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutLogs
@@ -90,7 +92,7 @@ def events_in(base: BaseFit) -> list[Event]:
     def fit(log: Log) -> Candidate:
         return refitted(base.candidate, base.sigma, [log], REFIT_EVALUATIONS)
 
-    judges = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
+    judges = _judges(base)
     found = []
     for log in base.whole_logs:
         spells = spells_of(log, fit, noise)
@@ -175,17 +177,47 @@ def _is_event(
     """Whether spells are no law, and no jump of the input.
 
     What begins with the log, or moves as nothing else in it, may be a law. It is none where one
-    number parts the log in two, and what is held out follows the later part from its start on.
+    number parts the log in two, and what is held out follows the later part from its start on; if
+    that moves as nothing else, also where what is held out moves otherwise.
     """
     if all(is_of_a_jump(log, span, base.scale.motion_s) for span in spells.spans_s):
         return False
     if change is not None and spells.is_one_part and _is_one_number(change):
         later = None if spells.ends_last else 0
-        if elsewhere and all(count == later for count in elsewhere):
+        goes_on = bool(elsewhere) and all(count == later for count in elsewhere)
+        if goes_on and (spells.is_met or _is_no_law(spells, change, base)):
             return spells.ends_last or _is_even(log, spells, change, base)
     if spells.begins_early:
         return False
     return spells.is_met or is_clock_jump(change, spells.reference, base.scale, base.sigma)
+
+
+def _is_no_law(spells: Spells, change: LogDifferences, base: BaseFit) -> bool:
+    """Whether what is held out tells a change from a law that acts in spells as none of its motion.
+
+    What is held out moves as the spells do, if these begin the log and it is as the rest. Else the
+    number differs there by as much also in what moves no otherwise than the rest. Of its zero no
+    other log knows.
+    """
+    if not spells.ends_last:
+        return all(moves_as_in(log, spells) for log in _judges(base))
+    kind = change.kinds[0]
+    by_kind = {one.kinds[0]: one for one in changes_of(spells.reference, base.scale)}
+    if kind == ZERO or kind not in by_kind:
+        return kind == ZERO
+    for log in _judges(base):
+        usual = usual_samples(log, spells, base.scale.motion_s)
+        sizes = None
+        with suppress(IdentificationError, InputError):  # nothing may move so
+            sizes = by_kind[kind].on(log.with_masked(~usual))[1]
+        if sizes is None or not _are_alike(change.sizes[0], sizes[0]):
+            return False
+    return True
+
+
+def _judges(base: BaseFit) -> tuple[Log, ...]:
+    """The logs that are held out; none where blocks are."""
+    return base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
 
 
 def _is_even(log: Log, spells: Spells, change: LogDifferences, base: BaseFit) -> bool:

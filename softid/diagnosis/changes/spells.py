@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import minimum_filter1d
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs
@@ -67,6 +68,36 @@ accelerations that the largest ones outside reach: else a law may act there alon
 clock that jumps."""
 
 
+@dataclass(frozen=True)
+class MotionRange:
+    """Between which positions, how fast and with which accelerations an actuator moves.
+
+    Attributes
+    ----------
+    low, high
+        Least and largest position.
+    speed, acceleration
+        The largest, either way.
+    """
+
+    low: float
+    high: float
+    speed: float
+    acceleration: float
+
+    @classmethod
+    def of(cls, motion: Array) -> MotionRange:
+        """Of positions, speeds and accelerations, shape (3, n)."""
+        x, v, a = motion
+        return cls(float(x.min()), float(x.max()), float(abs(v).max()), float(abs(a).max()))
+
+    def holds(self, motion: Array) -> BoolArray:
+        """Which positions, speeds and accelerations lie within, shape (3, n)."""
+        x, v, a = motion
+        within = (self.low <= x) & (x <= self.high), abs(v) <= self.speed
+        return np.array([*within, abs(a) <= self.acceleration])
+
+
 @dataclass(frozen=True, eq=False)
 class Spells:
     """Where the misfit of a log is, and a model that follows the rest.
@@ -79,8 +110,8 @@ class Spells:
         The model as it is fitted outside of them.
     before, noise
         Sums of squares of the first output in the spells: what that model leaves, and the noise.
-    is_met
-        Whether the positions, speeds and accelerations of the spells are met outside of them, too.
+    usual, within
+        How the actuator moves outside of the spells, and in them.
     begins_early, ends_last
         Whether the first of them begins with the log, and the last lasts to its end.
     """
@@ -89,9 +120,15 @@ class Spells:
     reference: Candidate
     before: float
     noise: float
-    is_met: bool
+    usual: MotionRange
+    within: Array
     begins_early: bool
     ends_last: bool
+
+    @property
+    def is_met(self) -> bool:
+        """Whether positions, speeds and accelerations of the spells are met outside of them."""
+        return _is_held(self.usual, self.within)
 
     @property
     def is_one_part(self) -> bool:
@@ -152,6 +189,46 @@ def spells_elsewhere(log: Log, model: Candidate, noise: float) -> int | None:
     if np.count_nonzero(quiet) < LEAST_OUTSIDE * quiet.size:
         return None
     return len(stretches) if float(np.mean(residual[quiet] ** 2)) <= QUIET * own else None
+
+
+def moves_as_in(log: Log, spells: Spells) -> bool:
+    """Whether another log moves as far, as fast and as unevenly as a log does in its spells.
+
+    Parameters
+    ----------
+    log
+        The other log.
+    spells
+        The spells.
+    """
+    judged = HeldOutLogs((log,)).standing(spells.reference)
+    motion = None if judged is None else _motion_of(judged)
+    return motion is not None and _is_held(MotionRange.of(motion), spells.within)
+
+
+def usual_samples(log: Log, spells: Spells, motion_s: float) -> BoolArray:
+    """Where another log moves no otherwise than a log does outside of its spells, shape (n,).
+
+    Parameters
+    ----------
+    log, spells
+        As in `moves_as_in`.
+    motion_s
+        Time constant of the motion, which remembers for a while how it moved.
+    """
+    found = np.zeros(len(log), bool)
+    judged = HeldOutLogs((log,)).standing(spells.reference)
+    motion = None if judged is None else _motion_of(judged)
+    if judged is None or motion is None:
+        return found
+    reach = 1 + 2 * int(np.ceil(DEAD_AFTER * motion_s / log.period_s))
+    is_usual: BoolArray = np.all(spells.usual.holds(motion), axis=0)
+    begin = 0
+    for segment in judged.problem.segments:
+        size = segment.stop - segment.start
+        near = minimum_filter1d(is_usual[begin : begin + size].astype(np.int8), reach)
+        found[segment.start : segment.stop], begin = near > 0, begin + size
+    return found
 
 
 def _length(spells: Spells) -> tuple[bool, float]:
@@ -260,27 +337,32 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     )
     noise_there = variance * np.count_nonzero(inside)
     begins_early, ends_last = bool(edges[0] < BEGINNING * len(log)), bool(edges[-1] == len(log))
-    is_met = _are_covered(model, outside)
-    return Spells(spans, model, before, noise_there, is_met, begins_early, ends_last)
+    motion = _motion_of(model)
+    without = np.concatenate([outside[s.start : s.stop] for s in model.problem.segments])
+    if motion is None or without.all() or not without.any():
+        return None
+    usual, within = MotionRange.of(motion[:, without]), motion[:, ~without]
+    return Spells(spans, model, before, noise_there, usual, within, begins_early, ends_last)
 
 
-def _are_covered(model: Candidate, outside: BoolArray) -> bool:
-    """Whether the positions, speeds and accelerations of the spells are met outside of them, too.
-
-    In a row of sines the fast ones may be as far and as slow at resonance as before it.
-    """
-    segments, motions = model.problem.segments, residual_context(model)
+def _motion_of(model: Candidate) -> Array | None:
+    """Positions, speeds and accelerations, shape (3, n); None where the model runs away."""
+    motions = residual_context(model)
     x, v = (np.concatenate([getattr(motion, name) for motion in motions]) for name in "xv")
-    a = np.concatenate([np.gradient(motion.v, motion.time_s) for motion in motions])
-    without = np.concatenate([outside[s.start : s.stop] for s in segments])
-    if without.all() or not all(np.isfinite(part).all() for part in (x, v, a)):
-        return False
-    low, high = x[without].min(), x[without].max()
-    met = np.mean((x[~without] >= low) & (x[~without] <= high)) >= INSIDE_SHARE
-    return bool(met) and all(
-        np.quantile(np.abs(rate[~without]), INSIDE_SHARE) <= np.abs(rate[without]).max()
-        for rate in (v, a)
-    )
+    rates = [
+        np.gradient(motion.v, motion.time_s) if motion.v.size > 1 else np.zeros_like(motion.v)
+        for motion in motions
+    ]
+    found = np.array([x, v, np.concatenate(rates)])
+    return found if np.isfinite(found).all() else None
+
+
+def _is_held(usual: MotionRange, motion: Array) -> bool:
+    """Whether nearly all of a motion lies within a range.
+
+    In a row of sines the fast ones may go as far and as fast as the slow ones, but not as evenly.
+    """
+    return bool((np.mean(usual.holds(motion), axis=1) >= INSIDE_SHARE).all())
 
 
 def _loudness(residual: Array, variance: float) -> Array:

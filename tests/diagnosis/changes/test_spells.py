@@ -16,7 +16,6 @@ from softid.diagnosis.changes.clock_jumps import is_clock_jump
 from softid.diagnosis.changes.events import is_parted
 from softid.diagnosis.changes.log_differences import LogDifferences
 from softid.diagnosis.changes.spells import (
-    _are_covered,
     is_of_a_jump,
     loudest,
     spells_elsewhere,
@@ -106,20 +105,6 @@ def test_a_model_that_follows_nothing_has_no_spells() -> None:
         return fit(log)
 
     assert spells_of(log_of(far), refusing, NOISE**2) is None
-
-
-@pytest.mark.parametrize(("span_s", "is_met"), [((10.0, 20.0), True), ((30.0, 40.0), False)])
-def test_a_spell_of_other_accelerations_may_be_a_law(
-    span_s: tuple[float, float], is_met: bool
-) -> None:
-    """Half a hertz, then two hertz of a sixth of the range: as far and as slow, but not as even."""
-    slow, fast = (np.sin(2.0 * np.pi * hertz * TIME_S) for hertz in (0.5, 2.0))
-    driven = 50.0 + np.where(TIME_S < 30.0, 30.0 * slow, 5.0 * fast)
-    quick = {**TRUTH, "N": 4.0}
-    channels = {"pressure": driven, "angle": linear_angle(TIME_S, driven, quick)}
-    problem = linear_problem([Log.from_arrays(TIME_S, channels, name="row")])
-    model = standing(problem, problem.unknowns(quick))
-    assert _are_covered(model, ~between(span_s)) is is_met
 
 
 def test_what_judges_is_followed_but_in_its_own_spells() -> None:
