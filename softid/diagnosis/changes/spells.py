@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import minimum_filter1d
 
+from softid.diagnosis.changes.motion_range import MotionRange, motion_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs
-from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import DEAD_AFTER, fastest_part
 from softid.errors import IdentificationError, InputError
 from softid.intersample import is_abrupt
@@ -62,40 +62,8 @@ exceptions."""
 BEGINNING = 0.1
 """What begins in this share of a log may be no spell, for much relaxes after the first motion."""
 
-INSIDE_SHARE = 0.95
-"""Share of a spell whose positions lie within those outside, and quantile of its speeds and of its
-accelerations that the largest ones outside reach: else a law may act there alone, unless it is the
-clock that jumps."""
-
-
-@dataclass(frozen=True)
-class MotionRange:
-    """Between which positions, how fast and with which accelerations an actuator moves.
-
-    Attributes
-    ----------
-    low, high
-        Least and largest position.
-    speed, acceleration
-        The largest, either way.
-    """
-
-    low: float
-    high: float
-    speed: float
-    acceleration: float
-
-    @classmethod
-    def of(cls, motion: Array) -> MotionRange:
-        """Of positions, speeds and accelerations, shape (3, n)."""
-        x, v, a = motion
-        return cls(float(x.min()), float(x.max()), float(abs(v).max()), float(abs(a).max()))
-
-    def holds(self, motion: Array) -> BoolArray:
-        """Which positions, speeds and accelerations lie within, shape (3, n)."""
-        x, v, a = motion
-        within = (self.low <= x) & (x <= self.high), abs(v) <= self.speed
-        return np.array([*within, abs(a) <= self.acceleration])
+STILL = 0.1
+"""An actuator that moves by less than this share of its range behind a spell is at rest there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +96,7 @@ class Spells:
     @property
     def is_met(self) -> bool:
         """Whether positions, speeds and accelerations of the spells are met outside of them."""
-        return _is_held(self.usual, self.within)
+        return self.usual.holds_nearly_all(self.within)
 
     @property
     def is_one_part(self) -> bool:
@@ -202,8 +170,8 @@ def moves_as_in(log: Log, spells: Spells) -> bool:
         The spells.
     """
     judged = HeldOutLogs((log,)).standing(spells.reference)
-    motion = None if judged is None else _motion_of(judged)
-    return motion is not None and _is_held(MotionRange.of(motion), spells.within)
+    motion = None if judged is None else motion_of(judged)
+    return motion is not None and MotionRange.of(motion).holds_nearly_all(spells.within)
 
 
 def usual_samples(log: Log, spells: Spells, motion_s: float) -> BoolArray:
@@ -218,7 +186,7 @@ def usual_samples(log: Log, spells: Spells, motion_s: float) -> BoolArray:
     """
     found = np.zeros(len(log), bool)
     judged = HeldOutLogs((log,)).standing(spells.reference)
-    motion = None if judged is None else _motion_of(judged)
+    motion = None if judged is None else motion_of(judged)
     if judged is None or motion is None:
         return found
     reach = 1 + 2 * int(np.ceil(DEAD_AFTER * motion_s / log.period_s))
@@ -320,6 +288,10 @@ def _grown(
 def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spells | None:
     """The spells, if outside of them no more than noise is left, in most of the log."""
     at, residual = residual_in(log, model)
+    motion = motion_of(model)
+    if motion is None or outside.all():
+        return None
+    outside = _without_rest_at_end(model, motion, outside)
     inside = ~outside[at]
     if not inside.any() or np.count_nonzero(~inside) < LEAST_OUTSIDE * inside.size:
         return None
@@ -337,32 +309,22 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     )
     noise_there = variance * np.count_nonzero(inside)
     begins_early, ends_last = bool(edges[0] < BEGINNING * len(log)), bool(edges[-1] == len(log))
-    motion = _motion_of(model)
     without = np.concatenate([outside[s.start : s.stop] for s in model.problem.segments])
-    if motion is None or without.all() or not without.any():
+    if without.all() or not without.any():
         return None
     usual, within = MotionRange.of(motion[:, without]), motion[:, ~without]
     return Spells(spans, model, before, noise_there, usual, within, begins_early, ends_last)
 
 
-def _motion_of(model: Candidate) -> Array | None:
-    """Positions, speeds and accelerations, shape (3, n); None where the model runs away."""
-    motions = residual_context(model)
-    x, v = (np.concatenate([getattr(motion, name) for motion in motions]) for name in "xv")
-    rates = [
-        np.gradient(motion.v, motion.time_s) if motion.v.size > 1 else np.zeros_like(motion.v)
-        for motion in motions
-    ]
-    found = np.array([x, v, np.concatenate(rates)])
-    return found if np.isfinite(found).all() else None
-
-
-def _is_held(usual: MotionRange, motion: Array) -> bool:
-    """Whether nearly all of a motion lies within a range.
-
-    In a row of sines the fast ones may go as far and as fast as the slow ones, but not as evenly.
-    """
-    return bool((np.mean(usual.holds(motion), axis=1) >= INSIDE_SHARE).all())
+def _without_rest_at_end(model: Candidate, motion: Array, outside: BoolArray) -> BoolArray:
+    """What is outside of spells, but for a rest after the last: what lasts may not show there."""
+    at = np.concatenate([np.arange(s.start, s.stop) for s in model.problem.segments])
+    last = int(np.flatnonzero(~outside)[-1])
+    x = motion[0]
+    behind = x[at > last]
+    if behind.size and np.ptp(behind) < STILL * np.ptp(x):
+        outside = outside & (np.arange(outside.size) <= last)
+    return outside
 
 
 def _loudness(residual: Array, variance: float) -> Array:

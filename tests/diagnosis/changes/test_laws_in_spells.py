@@ -71,6 +71,21 @@ def test_another_log_is_usual_where_it_is_slow() -> None:
     assert not moves_as_in(row(NEVER, NEVER), spells)
 
 
+def test_what_lasts_into_a_rest_lasts_to_the_end() -> None:
+    """A spring shows nothing of itself without pressure: the spell does not end where that goes."""
+    log = row(LATE, LATE)
+    rests = TIME_S > 36.0
+    driven = np.where(rests, 0.0, log.channels["pressure"].values)
+    angle = np.where(LATE, *(linear_angle(TIME_S, driven, truth) for truth in (SOFT, TRUTH)))
+    noise = NOISE * np.random.default_rng(1).standard_normal(N)
+    channels = {"pressure": driven, "angle": angle + noise}
+    found = spells_of_row(Log.from_arrays(TIME_S, channels, name="rests"))
+    ((begin, end),) = found.spans_s
+    assert begin == pytest.approx(LATE_S, abs=0.5)
+    assert end == TIME_S[-1]
+    assert found.ends_last
+
+
 @pytest.mark.parametrize(
     ("fast", "soft", "is_event"),
     [(NEVER, ALWAYS, True), (until(34.0), until(34.0), False), (ALWAYS, ~until(BEGUN_S), False)],
