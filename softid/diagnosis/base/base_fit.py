@@ -212,6 +212,11 @@ class BaseFit:
         return self.held_out.put_back(logs) if isinstance(self.held_out, HeldOutBlocks) else logs
 
     @property
+    def judges(self) -> tuple[Log, ...]:
+        """The logs that are held out; none where blocks of the fitted ones are."""
+        return self.held_out.logs if isinstance(self.held_out, HeldOutLogs) else ()
+
+    @property
     def is_negligible(self) -> bool:
         """Whether the misfit of the first output is too small to be looked into."""
         return self.rms < NEGLIGIBLE * self.scale.y_span

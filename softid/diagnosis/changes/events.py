@@ -29,7 +29,6 @@ from softid.diagnosis.changes.spells import (
     usual_samples,
 )
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.errors import IdentificationError, InputError
@@ -92,7 +91,7 @@ def events_in(base: BaseFit) -> list[Event]:
     def fit(log: Log) -> Candidate:
         return refitted(base.candidate, base.sigma, [log], REFIT_EVALUATIONS)
 
-    judges = _judges(base)
+    judges = base.judges
     found = []
     for log in base.whole_logs:
         spells = spells_of(log, fit, noise)
@@ -200,12 +199,12 @@ def _is_no_law(spells: Spells, change: LogDifferences, base: BaseFit) -> bool:
     other log knows.
     """
     if not spells.ends_last:
-        return all(moves_as_in(log, spells) for log in _judges(base))
+        return all(moves_as_in(log, spells) for log in base.judges)
     kind = change.kinds[0]
     by_kind = {one.kinds[0]: one for one in changes_of(spells.reference, base.scale)}
     if kind == ZERO or kind not in by_kind:
         return kind == ZERO
-    for log in _judges(base):
+    for log in base.judges:
         usual = usual_samples(log, spells, base.scale.motion_s)
         sizes = None
         with suppress(IdentificationError, InputError):  # nothing may move so
@@ -213,11 +212,6 @@ def _is_no_law(spells: Spells, change: LogDifferences, base: BaseFit) -> bool:
         if sizes is None or not _are_alike(change.sizes[0], sizes[0]):
             return False
     return True
-
-
-def _judges(base: BaseFit) -> tuple[Log, ...]:
-    """The logs that are held out; none where blocks are."""
-    return base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
 
 
 def _is_even(log: Log, spells: Spells, change: LogDifferences, base: BaseFit) -> bool:

@@ -31,7 +31,7 @@ REFUSED = "not-held-out"
 BEGUN_ANEW = "begins-anew"
 """Code of the remark that a law does not carry over which begins anew with every log."""
 
-MOST_OF_LEAST = 0.1
+LEAST_BEGUN = 0.1
 """Share of the squared error of which a law that begins anew takes more if that may be why it does
 not carry over: a misfit of half of the noise is a fifth of the squared error."""
 
@@ -157,7 +157,7 @@ def refused_law_issues(
     remedy = "hold out a log like the fitted ones, or none: then blocks of the logs judge"
     if isinstance(held, HeldOutBlocks):
         remedy = "record the same once more, from a rest, and hold that log out"
-    elif law.begins_with_log and taken > MOST_OF_LEAST:
+    elif law.begins_with_log and taken > LEAST_BEGUN:
         code = BEGUN_ANEW
         remedy = (
             "if what is held out was recorded after the others, hold out none, and blocks of the "

@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.logs.one_frequency import sine_lag
-from softid.diagnosis.refit.held_out import HeldOutLogs
 from softid.diagnosis.report.held_excitation import held_experiments, moves_quickly
 from softid.diagnosis.report.phrases import percent
 from softid.diagnosis_results import Diagnosis
@@ -115,8 +114,7 @@ def _one_frequency(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:
         f"{first} lags {lag_s:.2g} s ({degrees:.0f} degrees) behind {driving}, which is a sine of "
         f"{hz:.3g} Hz and nothing else: {open_is}"
     )
-    held = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
-    more = bool(held) and sine_lag((*problem.logs, *held), first) is None
+    more = bool(base.judges) and sine_lag((*problem.logs, *base.judges), first) is None
     remedy = "fit what is held out, too, which holds more" if more else "record steps or a chirp"
     return (Issue(ONE_FREQUENCY, "info", told, remedy),)
 

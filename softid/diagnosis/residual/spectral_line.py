@@ -154,9 +154,8 @@ def _of_moves(u: Array, places: npt.NDArray[np.intp], chance: float) -> BoolArra
     tall = heights > chance
     if not tall.any():
         return tall
-    lowest = places[tall][0]
-    first = places[tall & (places <= lowest + WIDTH)]
-    rate = int(first[np.argmax(heights[np.isin(places, first)])])
+    lowest = tall & (places <= places[tall][0] + WIDTH)
+    rate = int(places[lowest][np.argmax(heights[lowest])])
     found: BoolArray = tall & (places <= HARMONICS * rate + WIDTH)
     return found
 

@@ -116,7 +116,10 @@ def _over_mended_logs(
     *,
     is_in_doubt: bool,
 ) -> Searched | None:
-    """What is found without what a filter made of ends, between jumps, or after a jump of zero."""
+    """What is found without what a filter made of ends, between jumps, or after a jump of zero.
+
+    That of what is held out may be all that speaks against causes.
+    """
     inner = search_without_ends(recordings, request, search, found)
     if inner is not None:
         return inner

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -15,13 +17,21 @@ from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
 
+FAINT = 0.003
 N, NOISE, MOTION_S, BEGUN_S, LATE_S = 2000, 0.01, 0.1, 4.0, 26.0
 TIME_S = np.arange(N) / RATE_HZ
-SOFT = {**TRUTH, "Q": 0.8 * TRUTH["Q"]}
+SOFT, LIGHT = {**TRUTH, "Q": 0.8 * TRUTH["Q"]}, {**TRUTH, "M": 0.5 * TRUTH["M"]}
 
 
-def row(fast: npt.NDArray[np.bool_], soft: npt.NDArray[np.bool_], name: str = "row") -> Log:
-    """Half a hertz, or two hertz upon an eighth of one, and an actuator that is softer at times.
+def row(
+    fast: npt.NDArray[np.bool_],
+    other: npt.NDArray[np.bool_],
+    name: str = "row",
+    *,
+    truth: Mapping[str, float] = SOFT,
+    noise: float = NOISE,
+) -> Log:
+    """Half a hertz, or two hertz upon an eighth of one, and an actuator that is another at times.
 
     It comes to the middle within four seconds, more evenly than either.
     """
@@ -30,9 +40,9 @@ def row(fast: npt.NDArray[np.bool_], soft: npt.NDArray[np.bool_], name: str = "r
     begins = 25.0 * (1.0 - np.cos(0.25 * np.pi * TIME_S))
     moved = np.where(fast, 8.0 * quick + 20.0 * slower, 30.0 * slow)
     driven = np.where(TIME_S < BEGUN_S, begins, 50.0 + moved)
-    usual, softer = (linear_angle(TIME_S, driven, truth) for truth in (TRUTH, SOFT))
-    noise = NOISE * np.random.default_rng(len(name)).standard_normal(N)
-    channels = {"pressure": driven, "angle": np.where(soft, softer, usual) + noise}
+    angle = np.where(other, *(linear_angle(TIME_S, driven, one) for one in (truth, TRUTH)))
+    trembling = noise * np.random.default_rng(len(name)).standard_normal(N)
+    channels = {"pressure": driven, "angle": angle + trembling}
     return Log.from_arrays(TIME_S, channels, name=name)
 
 
@@ -41,6 +51,7 @@ def until(end_s: float) -> npt.NDArray[np.bool_]:
 
 
 ALWAYS, NEVER, LATE = until(50.0), until(-1.0), ~until(LATE_S)
+MOSTLY = until(38.0)
 
 
 def spells_of_row(log: Log) -> Spells:
@@ -99,4 +110,21 @@ def test_a_number_has_changed_if_another_log_has_it_in_slow_motion(
     request = Request("oscillator", None, 0, lambda message, fraction: None)
     judge = row(fast, soft, "another")
     base = request.fit_base(LogSet((row(LATE, LATE),)), (judge,), thorough=False)
+    assert bool(events_in(base)) is is_event
+
+
+@pytest.mark.parametrize(
+    ("fast", "light", "is_event"),
+    [(MOSTLY, ALWAYS, True), (MOSTLY, MOSTLY, False)],
+    ids=["light when slow, too", "light when fast"],
+)
+def test_an_inertia_that_slow_motion_hardly_shows_has_changed_if_that_shows_it(
+    fast: npt.NDArray[np.bool_], light: npt.NDArray[np.bool_], is_event: bool
+) -> None:
+    """A payload that was taken off, or a law that acts at large accelerations alone: with half of
+    the inertia the next log is followed nearly as well in either case."""
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    train = row(LATE, LATE, truth=LIGHT, noise=FAINT)
+    judge = row(fast, light, "another", truth=LIGHT, noise=FAINT)
+    base = request.fit_base(LogSet((train,)), (judge,), thorough=False)
     assert bool(events_in(base)) is is_event
